@@ -97,7 +97,7 @@ for axis, name in enumerate("xyz"):
 # A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts (or *splits*) a region in two:
 #
 # - The first node, the *root*, cuts the whole space by x. Points with a smaller x go to the left, and all others go to the right.
-# - Its children cut these two sides by y. Again, smaller goes left, and everything else goes right.
+# - Its children cut these two sides by y. Again, smaller goes left, and everything else goes right. On a map, this left side is below the cut, and the right side is above it.
 # - The third level cuts by x again, and so on. In three dimensions, the axes are x, y, z, x, y, z, ...
 #
 # The root has depth 0, and its children have depth 1. At depth $d$, the axis is $d \bmod k$, which is `depth % len(point)` in Python. A node without children is a *leaf*.

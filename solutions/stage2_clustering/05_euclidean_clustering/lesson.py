@@ -280,6 +280,11 @@ replay(euclidean_clustering)
 
 # %% [markdown]
 # **By hand.** Click into the drawing to add a point, and drag it. Where does a single new point join all seven into one cluster?
+#
+# <details><summary>An answer</summary>
+#
+# For example at (1.5, -0.35). This place is less than 0.8 m away from points 1, 5 and 6, and each of them belongs to a different cluster.
+# </details>
 
 # %%
 from utils.by_hand import Drawing, drag_points
@@ -357,7 +362,8 @@ true_number = np.unique(objects[in_yard], return_inverse=True)[1].ravel() + 1
 figure, axes = plt.subplots(figsize=(6, 6.8), layout="compressed")
 plots.clusters(yard, true_number, limits=window, axes=axes, title="The true objects")
 plots.ring(axes, 2.5, -5.8, radius=1.1, text="two people")
-plots.ring(axes, 7.0, 3.8, radius=2.4, text="one car");
+plots.ring(axes, 7.0, 3.8, radius=2.4, text="one car")
+axes.text(2.5, 2.3, "a cyclist");
 
 # %%
 parted = predict("Is there a threshold that keeps the two people apart and the car in one piece?",
@@ -530,7 +536,7 @@ else:
 # |---|---|
 # | compares points only with the first point of the cluster | confetti, because clusters are balls and not chains |
 # | compares the distance with `threshold ** 2` | 0.5 acts like 0.25, and obstacles fall to pieces |
-# | compares the squared distance with `threshold` | 0.5 acts like 0.71, which repairs one car by luck and joins two others |
+# | compares the squared distance with `threshold` | 0.5 acts like 0.71, which repairs one car by luck and joins two others outside the picture |
 # | starts the labels at 0 | the first obstacle is drawn as noise, with pale crosses |
 # | counts a new cluster for every point | labels are far above the number of clusters |
 # | uses all four columns for the distance | nothing here, because intensities end at 1, but confetti in recordings with intensities up to 255 |
@@ -593,7 +599,7 @@ ask_about(euclidean_clustering)
 #   ```
 #
 #   In the Point Cloud Library (PCL), it is called `EuclideanClusterExtraction`.
-# - [Beams](#Words-of-the-course) spread out. Near the horizon, our beams are a third of a degree apart. That is 17 cm at 30 m, and 47 cm at 80 m, the range of our scanner. In our scan, every car beyond 40 m with at least ten returns is in pieces at 0.5 m. Real systems therefore let the threshold grow with distance, as you do in lesson 10, or use the *angle* of the step to the next return.
+# - [Beams](#Words-of-the-course) spread out. Near the horizon, our beams are a third of a degree apart. That is 17 cm at 30 m, and 47 cm at 80 m, the range of our scanner. In our scan, every car beyond 40 m with at least ten returns is in pieces at 0.5 m. Real systems therefore let the threshold grow with distance, as you do in lesson 10, or use an *angle*. If the line between two neighbouring returns points almost along the beam, the returns probably come from different objects.
 # - Detectors that were trained on labelled scans are better at separating people and cars. Clustering remains as a safety net. It also finds the sofa that fell off a lorry, which no training set contains.
 #
 # ## Summary

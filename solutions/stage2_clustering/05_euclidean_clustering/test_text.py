@@ -103,6 +103,9 @@ def test_one_more_point_can_join_all_seven_points(street):
     grid = np.stack(np.meshgrid(np.arange(0, 2.4, 0.05), np.arange(-1.1, 0.2, 0.05)), -1)
     joins = [pieces(np.vstack([seven, place])) == 1 for place in grid.reshape(-1, 2)]
     assert 0 < np.mean(joins) < 0.1, "possible, but only in a small region"
+    answer = [1.5, -0.35]
+    assert pieces(np.vstack([seven, answer])) == 1
+    assert np.flatnonzero(np.linalg.norm(seven - answer, axis=1) < 0.8).tolist() == [1, 5, 6]
 
 
 def test_a_point_labelled_on_leaving_enters_the_queue_again(street):

@@ -159,8 +159,8 @@ rows = np.column_stack([seen[:, :3], np.arange(len(seen))])  # row numbers inste
 kept = filter_by_distance(rows, 6.0)[:, 3].astype(int)
 draw_yard(seen, np.isin(np.arange(len(seen)), kept), "Your function: 6 m around the lorry")
 within_10.compare(100 * len(near) / len(cloud),
-                  "The angles between the beams are equal, so their rings on the road are close "
-                  "together near the car. Also, near objects hide objects behind them.")
+                  "The angles between neighbouring beams are similar, so their rings on the road are "
+                  "close together near the car. Also, near objects hide objects behind them.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_filter_by_distance", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(filter_by_distance)
@@ -218,7 +218,7 @@ print("share of the obstacles' returns:",
 #
 # The next cell counts how much each radius leaves: points above the ground, work (points squared), and road users. A road user counts if at least 20 of its returns are left.
 #
-# The dotted lines show how far ahead a car must see a stationary obstacle. The car drives on for half a second while it thinks, and then brakes at 7 m/s². From the speed $v$, it stops after $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, measured from its bumper, 2.6 m ahead of the sensor.
+# The dotted lines show how far ahead a car must see a stationary obstacle. The car drives on for half a second while it thinks, and then brakes at 7 m/s². From the speed $v$, it stops after $0.5\,\mathrm{s} \cdot v + \frac{v^2}{2 \cdot 7\,\mathrm{m/s^2}}$, measured from its bumper, 2.6 m ahead of the sensor.
 
 # %% tags=["folded"]
 # @title What a radius saves and what it loses (you need not read this)
@@ -256,7 +256,7 @@ plots.curves({}, {"road users": (radii, road_users[:13])},
 for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
     for axes in (cost, loss):
         axes.axvline(stop, color="black", linestyle=":", linewidth=1)
-    loss.text(stop + 0.8, 0.1 if speed == 30 else 0.25, f"stops from {speed} km/h")
+    loss.text(stop + 0.8, -0.03, f"stops from {speed} km/h", rotation=90)
     print(f"From {speed} km/h, the car needs a radius of {stop:.1f} m. This saves {1 - near:.0%} of "
           f"the points\nand {1 - near**2:.0%} of the work, and loses {1 - some:.0%} of the road users.")
 
@@ -396,6 +396,8 @@ fewest.compare(min(left, key=lambda name: left[name][0]),
 #
 # $$|y_p - \tfrac{1}{2} \kappa x_p^2| \le w / 2.$$
 #
+# The formula is good while $x$ is small compared with $R$. On a circle with a radius of 25 m, the middle is 9 cm too far to the right at 10 m ahead, and 2 m too far at 20 m.
+#
 # The function below keeps a straight lane. Change one line so that the lane bends. This task has no check. Of the three points in the last line of the cell, the first and the third should be left. In the picture, all blue points should be between the dashed lines.
 
 # %%
@@ -414,6 +416,7 @@ rows = np.column_stack([cloud[ahead, :3], np.flatnonzero(ahead)])  # numbers ins
 in_lane = crop_lane(rows, 2.6, 0.04)[:, 3].astype(int)
 axes = plots.kept_and_removed(cloud[ahead], np.isin(np.flatnonzero(ahead), in_lane),
                               limits=((0, 25), (-6, 14)), title="A lane that bends to the left")
+plots.ring(axes, 8.9, -0.3, radius=0.8, text="pedestrian")
 for side in (-1.3, 1.3):
     x = np.linspace(0, 25)
     axes.plot(x, 0.02 * x**2 + side, color="black", linestyle="--", linewidth=1)
@@ -425,7 +428,7 @@ for metres, first in sorted((cloud[rows, 0].min(), rows[0]) for rows in hits):
 # %% [markdown]
 # <details><summary>An answer</summary>
 #
-# Write `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead, a car that turns towards us is in the lane, 6 m ahead, with a parked lorry behind it.
+# Write `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead, a car that turns towards us is in the lane, 6 m ahead, with a parked lorry (`truck`) behind it.
 # </details>
 #
 # ## Returns that do not come from obstacles
@@ -465,7 +468,7 @@ axes = plots.kept_and_removed(close, ~too_near, limits=close_up,
 outline(axes, *ego_box)
 axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
 plots.ring(axes, 0.5, -2.3, radius=0.4)
-axes.text(1.05, -2.3, "a child here?", va="center");
+axes.text(-0.05, -2.3, "a child here?", ha="right", va="center");
 
 # %% [markdown]
 # Between the dashed box and the dotted circle, there is room for a child next to the door, but the car would not see this child. A car has the shape of a box, so we cut out a box. (Ours is 0.6 m wider on each side than the car with its mirrors.)
@@ -563,8 +566,8 @@ show_table(["", "returns", "invalid", "nearest"],
 #
 # | what the code contains | what you see |
 # |---|---|
-# | `np.linalg.norm(cloud, axis=1)` | a few bright points near the circle vanish; if intensities reach 255, nearly all points vanish |
-# | `np.linalg.norm(cloud[:, :3], axis=1)` | near points far below the sensor vanish, such as the child in front of the lorry |
+# | `np.linalg.norm(cloud[:, :3], axis=1)` | points just inside the circle vanish if they are far below the sensor, such as the child in front of the lorry |
+# | `np.linalg.norm(cloud, axis=1)` | the same points vanish, and a few more; if intensities reach 255, nearly all points vanish |
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, whose corners are 41 % too far away |
 # | `x**2 + y**2 <= r` | hardly anything, because the radius is 3.2 m instead of 10 m, and most returns that near come from the ego car |
 # | `any` instead of `all` | nearly everything, because most heights are inside the region |

@@ -57,7 +57,7 @@ objects = np.concatenate([truth["objects"][wanted], puff])  # the object of each
 print(f"{len(cloud):,} points, {len(spray)} of them spray")
 
 # %% [markdown]
-# The labels come from the simulator. Every object is one cluster, and so is every square metre of road that is left after the ground filter. Labels run from 1 to N, as in lesson 05.
+# The labels come from the simulator. Every object is one cluster, and so is every square metre of road that is left after the ground filter. (The ground is not flat, so some of it is less than 1.2 m below the sensor.) Labels run from 1 to N, as in lesson 05.
 
 # %%
 def labels_from_truth(points, objects):
@@ -89,7 +89,7 @@ small = sizes < 100
 how_many_small.compare(small.sum(), "A scan contains few large objects and many small ones. Each puff "
                        "of spray, each pole and each patch of road is a cluster of its own.")
 share_of_small.compare(100 * sizes[small].sum() / sizes.sum(), "It takes hundreds of small clusters "
-                       "to have as many points as one house front.")
+                       "to have as many points as the largest house front.")
 axes = plots.curves({}, {"clusters": (np.arange(1, len(sizes) + 1), np.sort(sizes)[::-1])},
                     across="rank, from the largest to the smallest", up="points",
                     title="A few giants and a long tail")
@@ -351,10 +351,12 @@ plt.setp(axes.lines, markersize=4)
 plt.setp(axes.lines[-2], markersize=8, markeredgecolor="black")  # the few people in plain view
 middling = (kind == "pedestrian") & (distance > 5) & (distance < 25)
 over = size / theory(distance)  # measured points as a multiple of the theory
+rows = []
 for what, group in (("in plain view", middling & in_view), ("partly hidden", middling & ~in_view)):
     low, mid, high = np.quantile(over[group], [0.1, 0.5, 0.9])
-    print(f"{group.sum():3} people 5 to 25 m away, {what}: {mid:.2f} times as many points as in "
-          f"theory (median; 8 of 10 people have {low:.2f} to {high:.2f} times as many)")
+    rows.append([what, group.sum(), f"{mid:.2f}", f"{low:.2f} to {high:.2f}"])
+show_table(["people 5 to 25 m away", "number", "points divided by theory (median)",
+            "8 of 10 people have"], rows)
 reach_of_100.compare(np.sqrt(theory(1.0) / 100), "There, the line crosses the dotted line. In "
                      f"theory, a person has {theory(1.0):,.0f} points at 1 m, and a hundredth of "
                      "that at 10 m.")
@@ -378,6 +380,8 @@ show_table(["min_num_points", "keeps people in plain view up to (theory)", "in t
             "removes this share of all people within that distance"], rows)
 
 # %% [markdown]
+# Even within that distance, each minimum removes about a third of all people or more. Most of the people that it removes are partly hidden by something closer.
+#
 # ## Practice: what does it cost?
 #
 # Pieces of road are *ghosts*, or phantom obstacles. A larger minimum removes more ghosts, but also more people. Your `filter_clusters` shows how many.
@@ -404,11 +408,11 @@ axes.axvline(100, color="black", linestyle=":")
 axes.set_xscale("log")
 for minimum in (10, 100):
     row = gone[minima.tolist().index(minimum)]
-    print(f"min_num_points = {minimum:3d}:",
+    print(f"min_num_points = {minimum} removes",
           ", ".join(f"{row[group].mean():.0%} of {name}" for name, group in shown.items()))
 
 # %% [markdown]
-# The dotted line marks the default. It removes all ghosts, but also the people beyond 15 m and many of the people near the car. The people near the car are half hidden, for example by a parked car, and may step out at any moment. With a smaller minimum, nearly all ghosts still go, and nearly all people near the car stay.
+# The dotted line marks the default. It removes all ghosts, but also the people beyond 15 m and many of the people near the car. The removed people near the car are partly hidden, for example by a parked car, and may step out at any moment. With a smaller minimum, nearly all ghosts still go, and nearly all people near the car stay.
 #
 # But no minimum removes the ghosts and keeps the distant people. Their *sizes* overlap, so size alone cannot distinguish them. In the thinned clouds of lesson 12, a person has tens of points rather than hundreds, so the minimum is smaller there.
 #
@@ -426,7 +430,7 @@ for label in np.argsort(sizes)[::-1][:14] + 1:  # labels of the largest clusters
 show_table(["kind", "distance", "points"], rows)
 
 # %% [markdown]
-# No, because a car nearby has more points than a wall that is farther away. A maximum in *metres* works better, because no car is 10 m long.
+# No, because a car nearby has more points than a wall that is farther away. A maximum in *metres* works better, because no car is 10 m long. But a bus can be longer, so a car must still brake for a large cluster in its lane.
 #
 # ## Common mistakes
 #
@@ -438,6 +442,8 @@ show_table(["kind", "distance", "points"], rows)
 # | compares with `>` instead of `<` | only spray, road and other small clusters are left |
 # | deletes the labels of small clusters | a later error, because there are fewer labels than points |
 # | writes `cluster_labels[...] = 0` | no error, until a later step needs the old labels |
+#
+# In the pictures, rings mark up to five of the clusters that are wrongly kept or removed.
 
 # %% tags=["folded"]
 # @title Draw three mistakes on the street (you need not read this)
@@ -472,7 +478,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # %% [markdown]
 # ## Let it drive
 #
-# This drive is optional. A car drives for ten seconds at 30 km/h, and your `filter_clusters` decides which clusters are too small to brake for. The other steps are given. They thin out the scan, so a cyclist has 50 to 100 points. After nine seconds, a cyclist from a side street is in our lane. The cell takes about 15 seconds.
+# This drive is optional. A car drives for ten seconds at 30 km/h, and your `filter_clusters` decides which clusters are too small to brake for. The other steps are given. They also thin out the scan, so obstacles have fewer points than in the pictures above. After nine seconds, a cyclist from a side street is in our lane. The cell takes about 15 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -494,7 +500,7 @@ drive_with(10) if is_written(filter_clusters) else print(
 #
 # <details><summary>An answer</summary>
 #
-# With 100, the cyclist never has a box, and the car hits the cyclist at 30 km/h. The largest minimum is 40. With 50, the cyclist rarely has a box, and the car brakes with 3 m to go. In the rain, with a minimum of 1, the car brakes for a drop at once and drives only 8 m. With 10, it drives 82 m without braking. A cluster of ten drops is nearly always above the bonnet of the ego car. There, the driver ignores a box until it has stayed in place for a second.
+# With 100, the cyclist never has a box, and the car hits the cyclist at 30 km/h. The largest minimum is 40. With 50, the cyclist first has a box one second before the collision, and the car brakes with 3 m to go. In the rain, with a minimum of 1, the car brakes for a drop at once and drives only 8 m. With 10, it drives 82 m without braking. A cluster of ten drops is nearly always above the bonnet of the ego car. There, the driver ignores a box until it has stayed in place for a second.
 # </details>
 
 # %% [markdown] tags=["questions"]

@@ -56,6 +56,12 @@ def test_thinned_pictures_contain_all_noise(lesson_run):
     assert len(lesson_run.thin) < 0.4 * len(lesson_run.cluster_labels)
 
 
+@pytest.mark.slow
+def test_the_largest_house_front_has_as_many_points_as_hundreds_of_small_clusters(lesson_run):
+    sizes = np.bincount(lesson_run.cluster_labels)[1:]
+    assert sizes.max() / sizes[sizes < 100].mean() > 200
+
+
 def test_a_lower_minimum_keeps_near_pedestrians_and_removes_ghosts(lesson_run):
     group = {"ghost": lesson_run.kind == "ground", "near": lesson_run.distance < 15}
     group["near"] &= lesson_run.kind == "pedestrian"
@@ -65,6 +71,7 @@ def test_a_lower_minimum_keeps_near_pedestrians_and_removes_ghosts(lesson_run):
     }
     assert gone["ghost"][1] == 1 and gone["near"][1] > 0.3
     assert gone["ghost"][0] > 0.9 and gone["near"][0] < 0.1
+    assert not lesson_run.in_view[group["near"] & (lesson_run.size < 100)].any()
 
 
 def test_returns_of_pedestrians_fall_with_the_square_of_the_distance(lesson_run):
@@ -82,6 +89,15 @@ def test_the_theory_applies_to_pedestrians_in_plain_view(lesson_run):
     free, hidden = times[person & lesson_run.in_view], times[person & ~lesson_run.in_view]
     assert np.median(free) == pytest.approx(1, abs=0.1) and np.quantile(free, 0.9) < 1.5
     assert len(free) < len(hidden) / 4 and np.median(hidden) < 0.5
+
+
+def test_each_minimum_removes_a_third_of_the_people_within_its_distance(lesson_run):
+    for minimum in (5, 10, 30, 100, 300):
+        reach = np.sqrt(lesson_run.theory(1.0) / minimum)
+        within = (lesson_run.kind == "pedestrian") & (lesson_run.distance < reach)
+        removed = within & (lesson_run.size < minimum)
+        assert removed.sum() > 0.3 * within.sum()
+        assert lesson_run.in_view[removed].mean() < 0.2
 
 
 def test_a_list_gets_a_note(lesson_run):
@@ -167,5 +183,6 @@ def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson_run, minimum, 
     assert bool(trip.report.collision) == hits
     if hits:
         assert "a cyclist in our lane, 3 m ahead" in str(trip)
+        assert "for the first time 1.0 s before the collision" in str(trip)
     else:
         assert trip.report.closest_distance == pytest.approx(2, abs=0.2)
