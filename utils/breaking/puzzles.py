@@ -254,7 +254,7 @@ PUZZLES = {
         "x, y",
         np.array(_WALL + _OUTLIERS, dtype=float),
         {
-            "A": Version(_find_line_unless_upright, "It describes lines by y = m x + q.", 2),
+            "A": Version(_find_line_unless_upright, "It describes lines by y = m x + h.", 2),
             "B": Version(_find_line_without_last_point, "It never looks at the last point.", 2),
             "C": Version(
                 lambda ransac, points: _find_line(ransac, points, TOLERANCE**2),

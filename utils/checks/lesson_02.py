@@ -291,7 +291,7 @@ declare_mistakes(
         "Choose c so that a x + b y + c is 0 at p.",
     ),
     Mistake(
-        "The function returns the slope and the intercept of y = m x + q. It should return a, b "
+        "The function returns the slope and the intercept of y = m x + h. It should return a, b "
         "and c.",
         lambda right, p, q: np.array([-right[0], -right[2]]) / right[1],
         "Return (a, b, c) of the line a x + b y + c = 0.",

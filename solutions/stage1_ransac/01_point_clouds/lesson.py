@@ -107,9 +107,30 @@ print(f"if the car were 2 cm farther away, the echo would arrive {later * 1e12:.
 # %% [markdown]
 # To distinguish 30.00 m from 30.02 m, a scanner must measure time differences as small as the last number above. (A picosecond is a millionth of a microsecond.)
 #
-# A range alone does not give a point, but the scanner also knows where it aimed. The *azimuth* $\alpha$ is the angle around the vertical axis, from straight ahead towards the left. The *elevation* $\varepsilon$ is the angle above the horizon. The range and these two angles give the point:
+# A range alone does not give a point, but the scanner also knows where it aimed. The *azimuth* $\alpha$ is the angle around the vertical axis, from straight ahead towards the left. The *elevation* $\varepsilon$ is the angle above the horizon. The picture below the formulas shows both angles. With the range, they give the point:
 #
 # $$x = r\cos\varepsilon\cos\alpha, \qquad y = r\cos\varepsilon\sin\alpha, \qquad z = r\sin\varepsilon.$$
+
+# %% tags=["folded"]
+# @title Draw the two angles (you need not read this)
+from utils.plots.style import BLUE, VERMILION
+
+figure, pair = plt.subplots(1, 2, figsize=(8.5, 2.7), layout="compressed", facecolor="white")
+views = (("From above: the azimuth α", "r cos ε", "α", "x = r cos ε cos α", "y = r cos ε sin α"),
+         ("From the side: the elevation ε", "r", "ε", "r cos ε", "z = r sin ε"))
+for axes, (title, longest, angle, across, up) in zip(pair, views):
+    axes.plot([0, 4, 4], [0, 0, 3], "--", color="black", linewidth=1.2)
+    axes.annotate("", (4, 3), (0, 0), arrowprops={
+        "arrowstyle": "-|>", "color": BLUE, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0})
+    turn = np.linspace(0, np.arctan2(3, 4), 30)
+    axes.plot(1.2 * np.cos(turn), 1.2 * np.sin(turn), color=VERMILION, linewidth=2.2)
+    for x, y, text, colour in ((1.5, 0.5, angle, VERMILION), (1.6, 1.9, longest, BLUE),
+                               (2.3, -0.4, across, "black"), (5.4, 1.5, up, "black"),
+                               (-0.2, -0.4, "sensor", "black")):
+        axes.text(x, y, text, color=colour, ha="center", va="center", fontsize=11)
+    axes.set(xlim=(-0.8, 6.8), ylim=(-0.8, 3.2), aspect="equal")
+    axes.set_title(title, loc="left", fontsize=12, fontweight="bold", pad=6)
+    axes.set_axis_off()
 
 # %%
 def point_of(range_, azimuth, elevation):
@@ -129,19 +150,24 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like nearly all data in this course, it is simulated, so we know the truth.
 #
-# In the first picture, the car ahead casts a *shadow*, so the outermost ring has a gap behind it. A scanner sees only the side of a car that faces the scanner. The next picture shows the rays straight ahead, from the side.
+# In the first picture, the car ahead casts a *shadow*, so the outermost ring has a gap behind it. The four gaps in the innermost ring are not obstacles. There, the corners of the roof under the scanner block the steepest beam.
+#
+# A scanner sees only the side of a car that faces the scanner. The next picture shows the rays straight ahead, from the side.
 
 # %%
 ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
 figure, axes = plt.subplots(figsize=(8.5, 3.4), layout="compressed")
 plots.from_side(ahead, values=ahead[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
-                limits=((-2, 22), (-3.2, 0.6)), title="The rays that go straight ahead")
+                level=-2.6, limits=((-2, 22), (-3.2, 0.6)), title="The rays that go straight ahead")
+axes.plot([13, 13, 14, 14, 16, 16, 17, 17], [-2.6, -1.3, -1.3, -0.6, -0.6, -1.3, -1.3, -2.6],
+          color="black")  # the outline of the car, which the simulator knows
+axes.text(15, -1.7, "car", ha="center")
 for x, _, z, _ in ahead:  # one row at a time; _ is a number that we do not need
     axes.plot([0, x], [0, z], color="black", linewidth=0.4)
 print("the rays end at x =", ahead[:, 0].round(1), "m")
 
 # %% [markdown]
-# The steep rays hit the road, each a little farther out. The two flattest rays hit the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. So a place without points may be free, or it may be hidden behind an obstacle.
+# The steep rays hit the road, each a little farther out. The two flattest rays hit the back of the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. So a place without points may be free, or it may be hidden behind an obstacle.
 #
 # ## Play: build your own scanner
 #
@@ -295,7 +321,7 @@ print(f"the same return without its intensity:  {np.linalg.norm(strip[worst, :3]
 print(f"without its intensity and its height:   {np.linalg.norm(strip[worst, :2]) - x[worst]:.3f} m")
 
 # %% [markdown]
-# The error is largest near the car, where it matters most. The column of points just before 9 m is a pedestrian crossing the road. According to this measure, the feet are farther away than the head.
+# The error is largest near the car, where it matters most. The column of points just before 9 m is a pedestrian crossing the road. According to this measure, the feet are farther away than the head. The column at 20 m is the back of a car.
 #
 # There are two causes. The main one is height, because the length is measured at a slant, from the roof down to the return. The other is intensity, which is squared and added as well. Here it adds a centimetre, but other sensors report intensities up to 255. The small value in the last printed line is not an error, because the return is a little to one side.
 #
@@ -411,7 +437,11 @@ show_table(["a ring at", "the next beam's ring"],
            [(f"{places[i]:.1f} m", f"{places[i + 1] - places[i]:.2f} m farther out") for i in some])
 
 # %% [markdown]
-# Near the car, the measured rings are on the curve. Farther out, the rings ahead are nearer than the curve predicts and the rings behind are farther away, because the street climbs. The gaps in the table grow faster than the distance, although the upper beams, which reach far, are closer together than the lower ones. A distant pedestrian therefore gets only a few points.
+# Near the car, the measured rings are on the curve. Farther out, the rings ahead are nearer than the curve predicts and the rings behind are farther away, because the street climbs. Ahead, the road rises towards the beams, and behind the car it falls away from them.
+#
+# The curve also explains the white disc around the sensor. The steepest beam points 24.8° down. On a flat road, its ring is at 3.7 m, and the scanner sees no road inside it. At the front and the back, the car itself blocks the steepest beams, so the disc is larger there.
+#
+# The gaps in the table grow faster than the distance, although the upper beams, which reach far, are closer together than the lower ones. A distant pedestrian therefore gets only a few points.
 #
 # ## Why no loop?
 #
@@ -428,7 +458,7 @@ def with_a_loop(cloud):
     return [math.sqrt(row[0] * row[0] + row[1] * row[1]) for row in cloud]
 
 
-faster = predict("For 100,000 points, how many times as long as your function does the loop take?")
+faster = predict("The loop takes longer than your function. How many times as long, for 100,000 points?")
 
 # %% tags=["folded"]
 # @title A stopwatch (you need not read this)
@@ -616,6 +646,7 @@ for (name, values), axes in zip(wrong.items(), pair):
     plots.kept_and_removed(cloud, values <= 10, limits=((-15, 15), (-11, 11)), axes=axes,
                            title=f"{name}, up to 10")
     axes.add_patch(plt.Circle((0, 0), 10, fill=False, linestyle="--"))
+pair[0].plot([10, 0, -10, 0, 10], [0, 10, 0, -10, 0], color="black", linewidth=1)  # the diamond
 print(f"points of this scan with x = 0 that are not lost returns: {((xs == 0) & (ys != 0)).sum()}")
 
 # %% [markdown] tags=["questions"]
@@ -655,7 +686,7 @@ ask_about(drop_invalid)
 # ## If you want more
 #
 # 1. (20 minutes) Write `azimuth(cloud)` with `np.arctan2`, in degrees. Draw the scan as the scanner saw it, with azimuth to the left and elevation upwards, coloured by your distance. The upper picture at the top of this lesson was made this way.
-# 2. (15 minutes) A pedestrian is 0.5 m wide and 1.7 m tall. The 64-beam scanner has steps of 0.18°, and its beams are a third of a degree apart. Beyond what distance does the pedestrian get fewer than 10 returns? Compare your result with `truth["box_returns"]`.
+# 2. (15 minutes) A pedestrian is 0.5 m wide and 1.7 m tall. The 64-beam scanner has steps of 0.18°, and its upper beams are a third of a degree apart. Beyond what distance does the pedestrian get fewer than 10 returns? Compare your result with `truth["box_returns"]`.
 #    <details><summary>An answer</summary>At a distance d, the steps are 0.00314 d apart and the beams 0.00582 d. The pedestrian therefore gets 0.5 / (0.00314 d) × 1.7 / (0.00582 d) returns, or about 46,500 / d². Beyond 68 m, this is fewer than 10. In the scan, some pedestrians much nearer also get fewer, because other objects are in front of them.</details>
 
 # %% [markdown] tags=["footer"]

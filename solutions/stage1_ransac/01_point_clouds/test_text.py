@@ -1,6 +1,7 @@
 """Tests of the statements in lesson 01, with answers that follow its hints."""
 
 import timeit
+from dataclasses import replace
 
 import nbformat
 import numpy as np
@@ -10,6 +11,7 @@ from grader.course import durations
 from grader.course.lessons import find_lesson
 from tests.lesson_texts import run_lesson
 from utils.scenes import simple_highway
+from utils.simulator import hdl64, scenes
 
 pytestmark = pytest.mark.slow
 
@@ -41,7 +43,23 @@ def test_a_height_threshold_keeps_only_cars():
     assert set(frame.scan.objects[kept]) == {1, 2, 3}
 
 
+def test_the_roof_blocks_the_steepest_beam_at_its_four_corners():
+    x, y, z = simple_highway().cloud[:, :3].T
+    azimuths, elevations = np.degrees(np.arctan2(y, x)), np.degrees(np.arctan2(z, np.hypot(x, y)))
+    gaps = {}
+    for name, lowest, highest in (("innermost", -32, -28.5), ("third", -25, -22)):
+        on_ring = (elevations > lowest) & (elevations < highest)
+        seen = np.unique(np.round(azimuths[on_ring] / 2.8125).astype(int) % 128)
+        gaps[name] = np.setdiff1d(np.arange(128), seen)
+    assert len(gaps["third"]) == 0
+    # The corners are at 45, 135, 225 and 315 degrees, which are steps 16, 48, 80 and 112.
+    assert len(gaps["innermost"]) == 4 * 7
+    assert np.abs(gaps["innermost"] % 32 - 16).max() == 3
+
+
 def test_two_flattest_rays_meet_the_car_ahead(lesson_run):
+    car = max(simple_highway().boxes, key=lambda box: box.centre[0])
+    assert (car.centre, car.size) == ((15, 0, -1.6), (4, 2, 2))  # as drawn
     ends = lesson_run.names["ahead"]
     assert np.sum(ends[:, 2] > -2.5) == 2
     assert np.allclose(ends[ends[:, 2] > -2.5, 0], 13.0, atol=0.2)
@@ -95,6 +113,9 @@ def test_row_length_is_most_wrong_near_the_car(lesson_run):
     pedestrian = lesson_run.names["strip"][(x > 8.6) & (x < 9.2)]
     lengths = np.linalg.norm(pedestrian, axis=1)
     assert lengths[pedestrian[:, 2].argmin()] > lengths[pedestrian[:, 2].argmax()] + 0.1
+    cloud, truth = lesson_run.names["cloud"], lesson_run.names["truth"]
+    column = (np.abs(cloud[:, 1]) < 0.3) & (np.abs(cloud[:, 0] - 20.2) < 0.2) & (cloud[:, 2] > -1.2)
+    assert {truth["class_names"][value] for value in truth["classes"][column]} == {"car"}
 
 
 def test_rings_follow_the_curve_only_near_the_car(lesson_run):
@@ -105,6 +126,27 @@ def test_rings_follow_the_curve_only_near_the_car(lesson_run):
         near = flat < 6
         assert np.abs(ring - flat)[near].max() < 0.6
         assert (sign * (ring - flat)[flat > 15]).min() > 2
+
+
+def test_the_car_itself_hides_road_in_front_and_behind(lesson_run, monkeypatch):
+    steepest = -np.degrees(min(hdl64().elevations))
+    assert steepest == pytest.approx(24.8)
+    assert 1.73 / np.tan(np.radians(steepest)) == pytest.approx(3.7, abs=0.05)
+
+    def nearest(cloud, azimuth):
+        """Return the smallest distance of the road in this direction."""
+        distances = lesson_run.names["horizontal_distance"](cloud)
+        turned = np.degrees(np.arctan2(cloud[:, 1], cloud[:, 0])) - azimuth
+        return distances[(np.abs((turned + 180) % 360 - 180) < 5) & (distances > 2)].min()
+
+    as_seen, observe = lesson_run.names["cloud"], scenes.observe
+    monkeypatch.setattr(
+        scenes, "observe", lambda world, *rest: observe(replace(world, ego=()), *rest)
+    )
+    without_car = scenes.lesson_street().cloud
+    for azimuth in (0, 180):
+        assert nearest(as_seen, azimuth) > nearest(without_car, azimuth) + 1
+    assert nearest(as_seen, 90) == pytest.approx(nearest(without_car, 90), abs=0.001)
 
 
 def test_gaps_grow_faster_than_the_distance(lesson_run):
@@ -151,6 +193,8 @@ def test_the_loop_is_much_slower(lesson_run):
 
 
 def test_the_answer_about_the_pedestrian_is_right():
+    upper = np.degrees(hdl64().elevations)[:32]
+    assert np.diff(upper) == pytest.approx(-1 / 3, abs=0.01)
     across, up = 0.5 / np.radians(0.18), 1.7 / np.radians(1 / 3)
     as_written = 0.5 / 0.00314 * 1.7 / 0.00582
     assert as_written == pytest.approx(across * up, rel=0.001)

@@ -91,14 +91,18 @@ def test_one_run_in_ten_fails(lesson_run):
 
 def test_the_line_takes_the_dragged_point_in_and_lets_go_of_it(lesson_run):
     low, high = lesson_run.names["window"][1]
-    wall, kept, slopes = lesson_run.names["points"][:10], [], []
-    for y in np.arange(low, high + 0.1, 0.5):
+    wall, kept, slopes, directions = lesson_run.names["points"][:10], [], [], []
+    heights = np.arange(low, high + 0.1, 0.5)
+    for y in heights:
         drawing = lesson_run.names["two_lines"](np.vstack([wall, (4, y)]))
         kept.append(drawing.labels[10] == 1)
         a, b, _ = drawing.lines["least squares"]
         slopes.append(-a / b)
-    assert not kept[0] and not kept[-1]
-    assert 5 < sum(kept) < 12 and np.count_nonzero(np.diff(kept)) == 2
+        directions.append(error_of(drawing.lines["RANSAC"]))
+    # The answer says "at about y = 1.5 m", "before 6 m", "a few degrees" and "no effect".
+    assert heights[kept].tolist() == np.arange(1.5, 5.6, 0.5).tolist()
+    assert len(np.unique(np.round(np.array(directions)[~np.array(kept)], 6))) == 1
+    assert np.ptp(directions) < 6
     assert (np.diff(slopes) > 0).all(), "the least-squares line never lets go"
 
 
@@ -120,6 +124,21 @@ def test_all_seeds_agree_after_two_thousand_rounds(lesson_run):
     assert np.abs(found - 45).max() <= 10.5
 
 
+def test_half_a_metre_is_more_accurate_than_a_metre(lesson_run):
+    ransac_line, points = lesson_run.names["ransac_line"], lesson_run.names["points"]
+    errors = {}
+    for threshold in (0.5, 1.0):
+        found = [ransac_line(points, 200, threshold, seed) for seed in range(10)]
+        errors[threshold] = np.mean([error_of(line) for line, _ in found])
+        assert all(inliers[:10].sum() >= 9 for _, inliers in found)
+    assert errors[0.5] + 1 < errors[1.0] < 5
+
+
+def test_code_without_a_test_for_none_works_on_the_twenty_points(lesson_run):
+    assert len(np.unique(lesson_run.names["points"], axis=0)) == 20
+    assert len(np.unique(lesson_run.names["rounded"], axis=0)) < 20
+
+
 def test_directions_vary_more_with_a_wider_band(lesson_run):
     spread = [
         np.ptp(lesson_run.names["directions"](200, threshold))
@@ -131,6 +150,7 @@ def test_directions_vary_more_with_a_wider_band(lesson_run):
         lesson_run.numbers_after("within 3.5 m:")[-1],
     )
     assert wall == 5 and others >= 5
+    assert spread[1] < 3 and lesson_run.numbers_after("within 0.5 m:") == [9, 10, 1]
     assert lesson_run.numbers_after("within 1.0 m:")[0] >= 9
     assert lesson_run.numbers_after("within 1.0 m:")[-1] <= 2
 
@@ -176,9 +196,13 @@ def test_two_walls_of_the_street_are_found(lesson_run):
         _, inliers = lesson_run.names["ransac_line"](left_over, 100, 0.1, 1)
         assert inliers.sum() > 1500 and is_wall[inliers].mean() > 0.99
         found.append((inliers.sum(), np.ptp(left_over[inliers, 0])))
+        along = left_over[inliers, 0]
         left_over, is_wall = left_over[~inliers], is_wall[~inliers]
     (most, short), (fewer, long) = found  # both walls run along x
     assert most > 1.3 * fewer and long > 1.3 * short
+    # The second line follows house fronts on both sides of the first wall.
+    assert min((along < -3).sum(), (along > 13).sum()) > 200
+    assert not ((along > -2) & (along < 13)).any()
 
 
 def test_the_scikit_learn_example_finds_the_wall(lesson_run):

@@ -31,7 +31,7 @@
 # %% [markdown]
 # ## The road is the flat part of a street
 #
-# We use every eighth [return](#Words-of-the-course) from the street around the car, taken from the scan in `cloud.txt`. Its columns are x (forward), y (left) and z (up), in metres from the sensor, and intensity. The *ground*, which we want to find, is the road and the pavements together.
+# We use every eighth [return](#Words-of-the-course) from the street around the car, taken from the scan in `cloud.txt`. Its columns are x (forward), y (left) and z (up), in metres from the sensor, and intensity. The *ground*, which we want to find, is the road and the pavements together. A pavement is a raised path for pedestrians next to the road, and the step up to it is the *kerb*.
 
 # %%
 import math
@@ -273,7 +273,7 @@ check(point_plane_distance)
 # %% [markdown]
 # ## RANSAC: try planes through random points
 #
-# *A plane through three ground points is near most of the ground. Other planes are near only a few points.*
+# *A plane through three ground points is usually near most of the ground. Other planes are near only a few points.*
 #
 # In one *round*, RANSAC draws three different points at random, the *sample*, and computes the plane through them. Then it counts the [inliers](#Words-of-the-course) of this plane, the points within a threshold of it. Here the threshold is 0.2 m.
 
@@ -304,8 +304,8 @@ picks = rng.integers(len(street), size=(1_000_000, 3))
 all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
                   "We counted this in a million picks. A formula says the same. Each point is on the "
                   "ground with probability w, so all three are on the ground with probability "
-                  f"w x w x w = {is_ground.mean() ** 3:.0%}. In one round this is rare, but in "
-                  "fifty rounds it happens several times.")
+                  f"w · w · w = {is_ground.mean() ** 3:.0%}. In a single round, this "
+                  "usually does not happen, but in fifty rounds it happens several times.")
 
 # %% [markdown]
 # A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers, which we call the *largest* plane. It assumes only that this plane is the ground.
@@ -417,7 +417,7 @@ replay(ransac_plane)
 #
 # **The second sitting begins here.** Remember that `ransac_plane` returns the largest plane and the mask of the points near it. If you have closed the notebook, first run all the cells above. In JupyterLab, choose *Run*, *Run All Above Selected Cell*. In Colab, choose *Runtime*, *Run before*.
 #
-# *A thin band misses some of the ground. A thick band removes wheels, feet and whole bonnets.*
+# *A thin band misses some of the ground. A thick band also removes wheels, feet and large parts of cars.*
 
 # %%
 def shares(near):
@@ -446,9 +446,24 @@ for threshold, axes in zip((0.03, 0.2, 0.8), panels):
     print(f"threshold {threshold} m: the plane climbs by {-100 * found[0] / found[2]:.1f} %")
 
 # %% [markdown]
-# The simulated street has a slope of 2.2 %, kerbs and a crown, which means that its middle is higher than its edges.
-#
-# - **0.03 m:** More than a third of the ground is left. The cause is the crown, not noise. The road is several centimetres above the best plane in some places and below it in others.
+# The simulated street has a slope of 2.2 %, kerbs and a *crown*, which means that its middle is higher than its edges. The next picture shows the ground from behind the car, without its slope. The line is the plane with a threshold of 0.03 m. Blue points are within this threshold.
+
+# %% tags=["folded"]
+# @title Draw the ground from behind (you need not read this)
+from utils.plots.style import BLUE, PALE
+
+found, near = ransac_plane(street, 50, 0.03, 1)
+near, lateral = np.asarray(near), np.array([-5, 5])
+axes = plots.curves({"plane": (lateral, 1.73 - (found[1] * lateral + found[3]) / found[2])}, {},
+                    across="y, left (m)", up="height (m), stretched",
+                    title="The crown and the kerb, and a plane that follows only one side")
+for mask, marker, colour in ((near, ".", BLUE), (~near, "x", PALE)):
+    x, y, z = street[mask & is_ground & (np.abs(street[:, 0]) < 5), :3].T
+    axes.plot(y, z - 0.022 * x + 1.73, marker, color=colour, markersize=3, zorder=1)
+axes.set_xlim(5, -5);
+
+# %% [markdown]
+# - **0.03 m:** More than a third of the ground is left. The cause is the crown, not noise. The two sides of the road lean in different directions, and a thin band can follow only one of them. (The right-hand pavement leans like the left side.)
 # - **0.2 m:** The ground is gone, and the obstacles have lost only their lowest part.
 # - **0.8 m:** Most of the obstacles are also gone. A plane that cuts through the cars has more inliers than the road, so the plane tilts. Look at its slope.
 
@@ -591,7 +606,7 @@ def fit_plane(points):
 print(np.round(fit_plane(floor), 2))
 
 # %% [markdown]
-# **Look before you check.** For each of thirty seeds, we compute three slopes. The first belongs to the plane through three points, and the second to the least-squares plane of all its inliers. The third belongs to a new fit to the points within 0.1 m of the second plane.
+# **Look before you check.** For each of thirty seeds, we compute three slopes. The first belongs to the plane through three points, and the second to the least-squares plane of all its inliers. The third belongs to a new fit to the points within 0.1 m of the second plane. The fourth printed line, "inliers on the ground", is explained after the check.
 
 # %%
 BUILT = 2.2  # per cent
@@ -910,7 +925,7 @@ near = np.isin(np.arange(len(beside)), found)
 cut = -6  # draw the plane in the middle of its points, not at y = 0
 moved = None if ground is None else (*ground[:3], ground[3] + ground[1] * cut)
 plots.plane_model(beside, moved, near, 0.2, limits=((-2, 14), (-2.6, 1.2)),
-                  title=f"From the side, cut at y = {cut} m: the largest level plane");
+                  title="From the side, cut at y = −6 m: the largest level plane");
 
 # %% [markdown]
 # The scanner delivers ten [frames](#Words-of-the-course) a second. We drive for three seconds at 5 m/s through another street, which also climbs by 2.2 %. In every third frame, we search for the ground and refit its plane. For the number of rounds, we use your formula with a share of 0.3. (This takes up to 10 seconds.)

@@ -117,6 +117,15 @@ def test_a_thin_band_loses_ground_because_of_crown_and_kerb(street):
     strips = np.floor(ground[:, 1])
     middles = [height[strips == strip].mean() for strip in np.unique(strips)]
     assert max(middles) > 0.05 and min(middles) < -0.04
+    # The picture removes the slope. The road then falls from its middle to both of its edges.
+    y, level = ground[:, 1], ground[:, 2] - ROAD.slope * ground[:, 0]
+    parts = y > 1.5, (y < 0.5) & (y > -3.5), y < -4.1  # left side, right side, right pavement
+    lean = [np.polyfit(y[part], level[part], 1)[0] for part in parts]
+    assert lean == pytest.approx([-0.02, 0.02, -0.02], abs=0.005)
+    # The thin band contains nearly the whole road on one side, and hardly any on the other.
+    _, near = street.ransac_plane(street.street, 50, 0.03, 1)
+    held = sorted(near[street.is_ground][side].mean() for side in parts[:2])
+    assert held[0] < 0.1 and held[1] > 0.9
     # In a small area, the ground is flat except for a little noise.
     places = np.unique(np.floor(ground[:, :2] / 0.5), axis=0, return_inverse=True)[1].ravel()
     scatter = [height[places == place].std() for place in np.unique(places)]
