@@ -181,7 +181,8 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.site.errors import SiteError
     from grader.site.live.files import FOLDER as LIVE_FOLDER
     from grader.site.live.files import pack
-    from grader.site.pdf import find_browser, print_site
+    from grader.site.pdf import FILE as PDF_FILE
+    from grader.site.pdf import find_browser
     from grader.site.runs import CACHE, missing_packages, solved_runs
 
     folder = options.to or PROJECT / "site"
@@ -193,8 +194,7 @@ def run_site(options: argparse.Namespace) -> int:
         live = pack(CACHE) if options.live else None
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
-        write_site(folder, ran, read_origin(), live)
-        printed = print_site(folder, browser) if browser else None
+        write_site(folder, ran, read_origin(), live, browser)
     except (ReleaseError, SiteError) as error:
         print(error, file=sys.stderr)
         return FAULT
@@ -207,8 +207,8 @@ def run_site(options: argparse.Namespace) -> int:
     if live:
         for name, content in live.files.items():
             print(f"wrote {folder / LIVE_FOLDER / name} ({len(content) / 1e6:.1f} MB)")
-    if printed:
-        print(f"wrote {printed} ({printed.stat().st_size / 1e6:.1f} MB)")
+    if browser:
+        print(f"wrote {folder / PDF_FILE} ({(folder / PDF_FILE).stat().st_size / 1e6:.1f} MB)")
     print(f"wrote {folder / 'index.html'}")
     return SUCCESS
 

@@ -349,6 +349,12 @@ def test_the_front_page_has_every_lesson():
     assert "13 · Compiled loops" in optional and "<code>snuggest_turn</code>" in optional
 
 
+def test_the_front_page_links_to_the_pdf_file_only_if_there_is_one():
+    pages = [front_page.page(read_origin(), Pictures(), name) for name in ("", "all.pdf")]
+    assert ["one PDF file" in page for page in pages] == [False, True]
+    assert '<a href="all.pdf">' in pages[1]
+
+
 # ---- the playground ------------------------------------------------------------------------------
 
 

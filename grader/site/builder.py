@@ -16,7 +16,7 @@ from grader.course.build import Origin
 from grader.course.lessons import Lesson, every_lesson
 from grader.course.settings import course_title
 from grader.course.standalone import check_no_leaks, make_standalone
-from grader.site import front_page, glossary, guides, mathjax, sections, site_checks
+from grader.site import front_page, glossary, guides, mathjax, pdf, sections, site_checks
 from grader.site.errors import SiteError
 from grader.site.html_outputs import TEMPLATES
 from grader.site.lesson import links_of, page_of
@@ -55,9 +55,13 @@ DELETED_PATTERNS = (
 
 
 def write_site(
-    folder: Path, solved_runs: Mapping[Lesson, bytes], origin: Origin, live: LiveFiles | None = None
+    folder: Path,
+    solved_runs: Mapping[Lesson, bytes],
+    origin: Origin,
+    live: LiveFiles | None = None,
+    browser: str = "",
 ) -> None:
-    """Write the site. The same outputs always give the same bytes.
+    """Write the site. The same outputs always give the same bytes, except in a PDF file.
 
     Parameters
     ----------
@@ -69,23 +73,28 @@ def write_site(
     origin : grader.course.build.Origin
     live : grader.site.live.files.LiveFiles, optional
         Files with which the lessons run in the browser.
+    browser : str, default ""
+        Program that prints the lessons into one PDF file, from `grader.site.pdf.find_browser`; ""
+        for a site without this file.
 
     Raises
     ------
     SiteError
-        If a package is missing, if `folder` contains anything except a site, if Sphinx or
-        JupyterLite fails, or if `grader.site.site_checks` finds a fault.
+        If a package is missing, if `folder` contains anything except a site, if Sphinx or the
+        browser fails, or if `grader.site.site_checks` finds a fault.
     """
     check_ready(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".site-", dir=folder.parent) as source_folder:
         source, pages = Path(source_folder) / "source", Path(source_folder) / "pages"
-        for name, content in source_files(solved_runs, origin, live).items():
+        for name, content in source_files(solved_runs, origin, live, bool(browser)).items():
             path = source / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
         _run_sphinx(source, pages)
         _clean_up_pages(pages)
+        if browser:
+            pdf.print_site(pages, browser)
         if faults := site_checks.find_faults(pages):
             raise SiteError("\n".join(faults))
         if folder.exists():
@@ -111,16 +120,19 @@ def check_ready(folder: Path) -> None:
 
 
 def source_files(
-    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: LiveFiles | None
+    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: LiveFiles | None, has_pdf: bool
 ) -> dict[str, bytes]:
-    """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
+    """Return all files that Sphinx reads, by path.
+
+    See `write_site` for the parameters. If `has_pdf`, the front page links to the PDF file.
+    """
     pictures, shared = Pictures(), picture()
     files = {
         "conf.py": conf_source(
             live.settings() if live else None,
             picture_address(origin, SHARED_PICTURE) if shared else "",
         ),
-        "index.md": front_page.page(origin, pictures),
+        "index.md": front_page.page(origin, pictures, pdf.FILE if has_pdf else ""),
     }
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
     files["words.md"] = glossary.page()

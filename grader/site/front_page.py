@@ -44,8 +44,8 @@ class LessonCard:
     writes: tuple[str, ...]
 
 
-def page(origin: Origin, pictures: Pictures) -> str:
-    """Render the front page as Markdown for MyST."""
+def page(origin: Origin, pictures: Pictures, pdf: str = "") -> str:
+    """Render the front page as Markdown for MyST, with a link to the file `pdf` if there is one."""
     alt, place = FILM.search(README.read_text("utf-8")).groups()
     film = (PROJECT / place).read_bytes()
     return TEMPLATES.get_template("index.md").render(
@@ -60,6 +60,7 @@ def page(origin: Origin, pictures: Pictures) -> str:
         },
         lessons={name: _lessons_of(stage) for stage, name in stage_titles()},
         origin=origin,
+        pdf=pdf,
     )
 
 
