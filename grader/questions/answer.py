@@ -21,11 +21,15 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from utils.questions.cases import Case, cases_of
 from utils.questions.changed_lines import as_written, is_plausible, is_readable
+from utils.questions.choices import in_rounds
 from utils.questions.texts import outcome_text, outcome_texts, same_answer, value_text
 
 OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
 TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
+# Fewer edits of a long answer are tried, because running each of its versions takes longer. This is
+# the largest number of edits times the number of lines.
+MAX_EDITED_LINES = 3000
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 # Functions of `numpy.linalg` with results that students cannot compute on paper.
 DECOMPOSITION = re.compile(r"\b(svd|eigh?)\b")
@@ -38,9 +42,9 @@ MAX_WATCHED = 6  # variables whose values in a case are compared between version
 # Versions that are run with one request. If a request takes too long, its versions are left out.
 VERSIONS_PER_REQUEST = 10
 LIMITS = Limits(call_seconds=3.0)
-# No further versions are run after these processor seconds. The limit is generous, because the
-# questions should be the same on a slow machine.
-MAX_CPU_SECONDS = 4.0
+# No further versions are run after these processor seconds. Usually their number is the limit, so
+# that the questions are the same on every machine.
+MAX_CPU_SECONDS = 12.0
 
 
 @dataclass(frozen=True)
@@ -256,7 +260,8 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
         (own,) = _runs(student.run_cases([None], codes, []), number_of) or [()]
         own = (*own, *[Run(counts={})] * (len(codes) - len(own)))
         edits = _edits(lines, number_of, description.get("edits"))
-        edits = [edit for edit in edits if edit.is_plausible][:MAX_EDITS]
+        count = min(MAX_EDITS, MAX_EDITED_LINES // max(len(lines), 1))
+        edits = in_rounds(edit for edit in edits if edit.is_plausible)[:count]
         deletions = _edits(lines, number_of, description.get("deletions"))
         watched = list(_watched(own, lines))
         versions = [*deletions, *edits]
