@@ -1047,12 +1047,46 @@ ask_about(match_boxes)
 #
 # ## If you want more
 #
-# Ideas 1 and 2 take about 20 minutes each, and ideas 3 and 4 take about 40. The three experiments after them take about 10 minutes each.
+# Ideas 1 and 2 take about 20 minutes each, and ideas 3 and 4 take about 40. The three wrong detectors take about 5 minutes, and the three experiments after them about 10 minutes each.
 #
 # 1. Add the speed of the ego car to the velocity of each track, draw it as an arrow, and compare it with `box.velocity`.
 # 2. Give `Tracker` a `patience` of 0, 1, 3, 10 and 30 frames. At which value do IDs begin to pass to other objects while a track coasts?
 # 3. Time your detector with every 32nd, 16th, … and all returns of a frame, on logarithmic axes. The time of every filter is proportional to $n$, so why is the slope of your curve below 1?
 # 4. Use voxels of half the size and require three times as many points: `voxel_grid(points, 0.1)` and `min_num_points=30`. Why does this help pedestrians more than cars? (Thinning moves the outermost points inwards by up to half a voxel.) Then let the detector drive. The scanner of the drive has only a third of the returns. At which distance does a child have 30 points?
+
+# %% [markdown]
+# ### Three wrong detectors
+#
+# Three colleagues have written their own `detect_obstacles`, each with a mistake in one line. Here are their boxes and yours for the same scan. A lorry is coming towards the ego car. What is wrong with A, B and C, and what would the car hit?
+
+# %% tags=["folded"]
+# @title The boxes of three colleagues (this code gives the answers away)
+def boxes_of_colleagues(detector, cloud):
+    x, y, yours = cloud[:, 0], cloud[:, 1], np.asarray(detector(cloud))
+    diagonals = np.linalg.norm(yours - yours[:, :1], axis=2).max(axis=1)
+    return {"yours": yours, "A": detector(cloud[np.hypot(x, y) > 4]),
+            "B": detector(cloud[np.abs(y) < 3.5]), "C": yours[diagonals < 6]}
+
+
+if is_written(detect_obstacles):
+    frame = city[16]
+    figure, grid = plt.subplots(2, 2, figsize=(8.5, 7), layout="compressed")
+    for (name, boxes), axes in zip(
+            boxes_of_colleagues(own(detect_obstacles), frame.cloud).items(), grid.flat):
+        plots.boxes(boxes, cloud=frame.cloud[frame.scan.objects > 0][::4],
+                    limits=((-9, 17), (-8, 10)), axes=axes, title=name)
+else:
+    print("detect_obstacles is not written yet, so there is nothing to compare.")
+
+# %% [markdown]
+# <details><summary>An answer</summary>
+#
+# - **A** removes all returns within 4 m of the scanner. Only two pieces of the lorry have boxes. A child 1 m ahead of the bumper does not have a box, because the bumper is 2.6 m ahead of the scanner.
+# - **B** ends the region of interest 3.5 m to either side. Cars and pedestrians on the left do not have boxes, and half a metre of the lorry is missing. A child who runs into the road gets a box late.
+# - **C** removes large clusters. The lorry does not have a box. If it were in the lane, the car would drive into it.
+#
+# All three find the parked cars ahead. So test a detector with something large, something near and something at the side.
+# </details>
 
 # %% [markdown]
 # ### Other viewers

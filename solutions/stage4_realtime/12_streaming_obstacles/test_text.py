@@ -21,7 +21,7 @@ from utils.checks.failures import NotYet
 from utils.checks.run_cache import cached_run
 from utils.checks.scans import square_with_people
 from utils.drive import drive_street, on_time
-from utils.drive.rules import SCANS_TO_BE_SURE
+from utils.drive.rules import BUMPER, SCANS_TO_BE_SURE
 from utils.drive.standards import DRIVERS, reference_results
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
@@ -72,6 +72,7 @@ def lesson_names():
         "follow",
         "mistakes_of",
         "counts_of",
+        "boxes_of_colleagues",
         "gain_curve",
         "wobble_of",
         "gain_for",
@@ -548,6 +549,29 @@ def test_a_minimum_of_100_points_makes_the_car_hit_the_cyclist(lesson_names):
         trip = drive_street(3, detect, seconds=10, clock=on_time)
         collisions.append(str(trip.report.collision or ""))
     assert not collisions[0] and "cyclist" in collisions[1] and "never had a box" in collisions[1]
+
+
+def test_three_wrong_detectors_lose_what_the_answer_says(lesson_names):
+    frame = lesson_names["city"][16]
+    boxes = lesson_names["boxes_of_colleagues"](lesson_names["detect_obstacles"], frame.cloud)
+    places = {name: found.mean(axis=1)[:, :2] for name, found in boxes.items()}
+    (lorry,) = (box for box in frame.boxes if box.kind == "truck" and abs(box.centre[0]) < 15)
+    assert lorry.velocity[0] < 0
+    shared = {
+        name: scoring.plane_iou(found, lorry.corners[None])[:, 0] for name, found in boxes.items()
+    }
+    assert shared["yours"].max() > 0.7 and shared["C"].max() == 0
+    assert np.count_nonzero(shared["A"]) == 2 and shared["A"].max() < 0.2
+    assert BUMPER + 1 < 4  # a child 1 m ahead of the bumper is in the hole of A
+    far = boxes["yours"][shared["yours"].argmax(), :, 1].max()
+    near = boxes["B"][shared["B"].argmax(), :, 1].max()
+    assert far - near == pytest.approx(0.5, abs=0.15)
+    on_the_left = {name: np.count_nonzero(of[:, 1] > 3.5) for name, of in places.items()}
+    assert on_the_left["yours"] > 3 and on_the_left["B"] == 0
+    ahead = {
+        name: ((of > (4, -4)) & (of < (20, -1))).all(axis=1).sum() for name, of in places.items()
+    }
+    assert set(ahead.values()) == {2}  # "All three find the parked cars ahead"
 
 
 def test_match_boxes_solves_the_tiny_case(lesson_names):
