@@ -36,6 +36,11 @@ def keep_waiting(missed, partners, patience):
     return counted, [count <= patience for count in counted]
 
 
+def count_boxes(hits, partners, needed):
+    counts = [hits[partner] + 1 if partner >= 0 else 1 for partner in partners]
+    return counts, [count >= needed for count in counts]
+
+
 def test_a_track_id_is_constant_and_never_reused():
     tracker = Tracker(match_nearest)
     assert tracker.update(boxes_at((0, 0), (9, 0))).tolist() == [1, 2]
@@ -83,6 +88,25 @@ def test_a_track_without_a_box_coasts_for_a_while(patience, names):
         assert tracker.tracks.boxes[1].mean(axis=0)[0] == pytest.approx(18)
     assert tracker.update(boxes_at((17, 0), (47, 0))).tolist() == names
     assert tracker.tracks.missed.tolist() == [0, 0]
+
+
+def test_a_track_is_tentative_until_it_has_had_enough_boxes():
+    both, left, right = boxes_at((0, 0), (9, 0)), boxes_at((0, 0)), boxes_at((9, 0))
+    tracker = Tracker(match_nearest, coast=keep_waiting, confirm=count_boxes, needed=3)
+    states = []
+    for boxes in (left, both, right, both, boxes_at()):
+        tracker.update(boxes)
+        tracks = tracker.tracks
+        states.append(dict(zip(tracks.ids.tolist(), tracks.confirmed.tolist(), strict=True)))
+    assert states[:3] == [{1: False}, {1: False, 2: False}, {2: False, 1: False}]
+    assert states[3:] == [{1: True, 2: True}] * 2, "a track stays confirmed while it coasts"
+    assert tracker.tracks.age.tolist() == [3, 3]
+
+
+def test_every_track_counts_if_confirm_is_not_written():
+    tracker = Tracker(match_nearest)
+    tracker.update(boxes_at((0, 0)))
+    assert tracker.tracks.confirmed.tolist() == [True]
 
 
 def test_a_new_track_moves_like_most_others():

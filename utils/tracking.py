@@ -1,14 +1,15 @@
 """Track boxes from frame to frame with the functions from lesson 12.
 
 A `Tracker` stores the tracks, and calls the student's functions to predict where a box should be
-(`predict_boxes`), match boxes (`match_boxes`), correct the prediction (`correct_boxes`) and keep
-tracks without a box (`coast`). All of them except `match_boxes` are optional.
+(`predict_boxes`), match boxes (`match_boxes`), correct the prediction (`correct_boxes`), keep
+tracks without a box (`coast`) and confirm new tracks (`confirm`). All of them except `match_boxes`
+are optional.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +23,9 @@ GAIN = 0.5
 
 PATIENCE = 3
 """Number of consecutive frames for which a track is kept without a box."""
+
+NEEDED = 3
+"""Number of frames with a box after which a track is confirmed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,8 @@ class Tracks:
         Number of consecutive frames without a box, including this one.
     age : ndarray of int, shape (N,)
         Number of frames with a box.
+    confirmed : ndarray of bool, shape (N,)
+        Whether the track counts; False for a tentative track.
     """
 
     ids: np.ndarray
@@ -47,6 +53,7 @@ class Tracks:
     velocities: np.ndarray
     missed: np.ndarray
     age: np.ndarray
+    confirmed: np.ndarray
 
     def __getitem__(self, rows: ArrayLike) -> Tracks:
         """Return the tracks in some rows."""
@@ -58,7 +65,7 @@ class Tracks:
         return Tracks(*map(np.concatenate, pairs))
 
 
-_SHAPES_AND_TYPES = (((), int), ((8, 3), float), ((3,), float), ((), int), ((), int))
+_SHAPES_AND_TYPES = (((), int), ((8, 3), float), ((3,), float), ((), int), ((), int), ((), bool))
 NO_TRACKS = Tracks(*(np.zeros((0, *shape), kind) for shape, kind in _SHAPES_AND_TYPES))
 
 
@@ -79,12 +86,17 @@ class Tracker:
     coast : callable, optional
         ``coast(missed, partners, patience)``: for each track, the number of consecutive frames
         without a box, and whether to keep it. By default, tracks without a box are dropped.
+    confirm : callable, optional
+        ``confirm(hits, partners, needed)``: for each box, the number of frames in which its track
+        has had a box, and whether the track is confirmed. By default, every track is confirmed.
     max_distance : float
         Largest distance for `match`, in metres.
     gain : float
         Gain for `correct`, from 0 to 1.
     patience : int
         Number of frames for `coast`.
+    needed : int
+        Number of frames for `confirm`.
     newcomer : array_like, shape (3,), optional
         Initial velocity of new tracks in m/s. By default, the median of all tracks, because most
         obstacles do not move and so approach the ego car at its own speed.
@@ -104,13 +116,17 @@ class Tracker:
         predict: Callable | None = None,
         correct: Callable | None = None,
         coast: Callable | None = None,
+        confirm: Callable | None = None,
         max_distance: float = FARTHEST,
         gain: float = GAIN,
         patience: int = PATIENCE,
+        needed: int = NEEDED,
         newcomer: ArrayLike | None = None,
     ) -> None:
-        self.match, self._predict, self._correct, self._coast = match, predict, correct, coast
-        self._max_distance, self._gain, self._patience = max_distance, gain, patience
+        self.match, self._predict, self._correct = match, predict, correct
+        self._coast, self._confirm = coast, confirm
+        self._max_distance, self._gain = max_distance, gain
+        self._patience, self._needed = patience, needed
         self._initial_velocity = newcomer
         self._next_id = 1
         self.tracks = NO_TRACKS
@@ -156,6 +172,10 @@ class Tracker:
         new = np.setdiff1d(np.arange(len(found)), matched_rows)
         matched_tracks.ids[new] = self._next_id + np.arange(len(new))
         self._next_id += len(new)
+        if self._confirm:
+            matched_tracks.age[:], matched_tracks.confirmed[:] = self._confirm(
+                old.age, partners, self._needed
+            )
         self.tracks = matched_tracks + self._coasting_tracks(expected, partners)
         return matched_tracks.ids
 
@@ -167,7 +187,7 @@ class Tracker:
         nothing = np.zeros(n, dtype=int)
         return Tracks(
             nothing, found.copy(), np.tile(velocity, (n, 1)).astype(float), nothing.copy(),
-            np.ones(n, dtype=int),
+            np.ones(n, dtype=int), np.ones(n, dtype=bool),
         )  # fmt: skip
 
     def _coasting_tracks(self, expected: np.ndarray, partners: np.ndarray) -> Tracks:
@@ -177,7 +197,7 @@ class Tracker:
             return NO_TRACKS
         missed, kept = map(np.asarray, self._coast(old.missed, partners, self._patience))
         alone = ~np.isin(np.arange(len(old.ids)), partners) & kept.astype(bool)
-        there = Tracks(old.ids, expected, old.velocities, missed.astype(int), old.age)
+        there = replace(old, boxes=expected, missed=missed.astype(int))
         return there[alone]
 
 
@@ -203,6 +223,11 @@ def tracker_from(functions: SimpleNamespace, **settings: object) -> Tracker | No
     }
     if "match_boxes" not in written:
         return None
-    step_names = {"predict": "predict_boxes", "correct": "correct_boxes", "coast": "coast"}
+    step_names = {
+        "predict": "predict_boxes",
+        "correct": "correct_boxes",
+        "coast": "coast",
+        "confirm": "confirm",
+    }
     own_steps = {part: written.get(name) for part, name in step_names.items()}
     return Tracker(written["match_boxes"], **own_steps, **settings)

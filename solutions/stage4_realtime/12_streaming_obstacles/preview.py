@@ -24,7 +24,7 @@ def draw() -> Figure:
         boxes = found
     figure, axes = plt.subplots(figsize=(8.5, 4.4), layout="compressed")
     standing = frames[-1].cloud[frames[-1].scan.objects > 0]
-    plots.boxes(boxes, cloud=standing, limits=((-12, 30), (-9, 10.5)), axes=axes)
+    plots.boxes(boxes, cloud=standing[::12], limits=((-12, 30), (-9, 10.5)), axes=axes)
     for trail in trails:
         axes.plot(*np.array(trail).T, ".-", color="black", linewidth=1, markersize=3)
     return figure

@@ -9,9 +9,10 @@ from tests.lesson_texts import run_statements_for
 from utils.checks import checks_of
 from utils.checks.core import run_check
 from utils.checks.diagnosis import diagnose, known_mistakes
+from utils.tracking import Tracker
 
 LESSON = find_lesson("12_streaming_obstacles")
-STEPS = ("predict_boxes", "correct_boxes", "coast")
+STEPS = ("predict_boxes", "correct_boxes", "coast", "confirm")
 ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(f"{name}")]
 
 
@@ -57,6 +58,23 @@ def test_every_known_mistake_has_a_kept_answer():
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
             assert any(words in mistake.description for words in claims), mistake.description
+
+
+def test_a_ghost_in_one_frame_has_a_track_for_four_frames_but_is_never_confirmed():
+    course = load_reference(LESSON.name, "match_boxes", *STEPS)
+    tracker = Tracker(course.match_boxes, coast=course.coast, confirm=course.confirm)
+    alive = []
+    for boxes in (0, 1, 0, 0, 0, 0):
+        tracker.update(np.ones((boxes, 8, 3)))
+        assert not tracker.tracks.confirmed.any()
+        alive.append(len(tracker.tracks.ids))
+    assert alive == [0, 1, 1, 1, 1, 0]
+
+
+def test_confirm_solves_the_tiny_case():
+    confirm = function_of("confirm", next(answer for name, answer in ANSWERS if name == "confirm"))
+    hits, confirmed = confirm(np.array([4, 1, 2, 3]), np.array([2, -1, 0, 1]), 3)
+    assert hits.tolist() == [3, 1, 5, 2] and confirmed.tolist() == [True, False, True, False]
 
 
 def steady_state_gains(wobble, acceleration, seconds):
