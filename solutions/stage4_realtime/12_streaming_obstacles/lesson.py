@@ -22,7 +22,7 @@
 #
 # **You write** `detect_obstacles` (points), `match_boxes` (points) and four short steps of a tracker (checked, not graded). You also write two reports that a person grades: one on a second data set (5 points) and one on your detector (10 points). **You need** your functions from lessons 01, 03, 06, 07 and 09 to 11.
 #
-# **Time:** (time), in three sittings: *Part 1 · The detector* takes about 85 minutes, *Part 2 · The tracker* about 55, and *Part 3 · Two reports and a drive* about 40.
+# **Time:** (time), in three sittings: *Part 1 · The detector* takes about 85 minutes, *Part 2 · The tracker* about 55, and *Part 3 · Two reports and a drive* about 45.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
