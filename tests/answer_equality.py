@@ -129,7 +129,7 @@ def is_hardly_larger(points, rectangle):
     """Return whether a rectangle is hardly larger than one with a standard orientation.
 
     Standard orientations are the orientations of the smallest rectangle, the narrowest one, the
-    first principal axis, and the sides closest to the points (Zhang et al., IV 2017). If they
+    first principal axis, and the sides closest to the points, as in the lesson. If they
     agree, any other orientation results in a larger rectangle. If they do not, the orientation is
     not defined. If several orientations are equally close, rounding decides, so all are standard.
     """
@@ -143,7 +143,7 @@ def is_hardly_larger(points, rectangle):
         np.minimum(place - place.min(axis=0), place.max(axis=0) - place)
         for place in (along.real, along.imag)
     ]
-    closeness = (1 / np.maximum(np.minimum(*inside), 0.05)).sum(axis=0)
+    closeness = (1 / (np.minimum(*inside) + 0.05)).sum(axis=0)
     areas = widths * lengths
     closest = closeness > (1 - 1e-6) * closeness.max()
     good = max(areas.min(), areas[widths.argmin()], areas[-1], areas[closest].max())
