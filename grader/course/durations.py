@@ -2,7 +2,7 @@
 
 The rates were fitted to the times of readers who worked through all twelve lessons. They read
 slowly, late at night, looked at each picture and wrote every answer. The mean error was eight
-minutes per lesson. For lessons 08 and 10, the estimate is within two minutes of the time that a
+minutes per lesson. For lessons 08 and 10, the estimate is within three minutes of the time that a
 later reader needed. Lessons 06 and 07 need less thought than their length suggests, and lesson 11
 needs more. These three lessons state the minutes that readers named. A lesson's total excludes
 optional sections.
@@ -14,6 +14,7 @@ import re
 from typing import TYPE_CHECKING
 
 from grader.course import earlier_lessons
+from grader.course.settings import minutes_of_calls
 
 if TYPE_CHECKING:
     from nbformat import NotebookNode
@@ -26,7 +27,6 @@ MINUTES_PER_EXERCISE, MINUTES_PER_LINE = 3, 1.8  # code that students write
 MINUTES_PER_NOTEBOOK = 0.5  # finding the functions of an earlier notebook and pasting them
 MINUTES_PER_REPORT = 15  # writing an answer that a person grades
 MINUTES_FOR_QUESTIONS = 3  # answering the two questions about a function
-MINUTES_FOR_DRIVE = 2  # waiting for a drive, and trying other numbers
 MAX_MINUTES_WITHOUT_STOP = 90
 # A line that students write or change, with the number of lines if there are several.
 OWN_LINES = re.compile(r"# (?:roughly (\d+) lines?|change this)", re.I)
@@ -73,8 +73,8 @@ def _minutes_of_code(cell: NotebookNode) -> float:
     writing = MINUTES_PER_EXERCISE + MINUTES_PER_LINE * int(own[1] or 1) if own else 0
     pasting = MINUTES_PER_NOTEBOOK * len(earlier_lessons.REFERENCE.findall(cell.source))
     answering = MINUTES_FOR_QUESTIONS * ("ask_about(" in text)
-    driving = MINUTES_FOR_DRIVE * ("drive_street(" in text)
-    return lines / LINES_PER_MINUTE + writing + pasting + answering + driving
+    waiting = sum(cost for name, cost in minutes_of_calls().items() if f"{name}(" in text)
+    return lines / LINES_PER_MINUTE + writing + pasting + answering + waiting
 
 
 def insert_durations(notebook: NotebookNode) -> None:

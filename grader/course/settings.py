@@ -27,3 +27,8 @@ def stage_title(stage: str) -> str:
     """Return the title of a stage. The default is its name without the number."""
     name = stage.removeprefix("stage").lstrip("0123456789").strip("_").replace("_", " ")
     return course_settings().get("stages", {}).get(stage, name)
+
+
+def minutes_of_calls() -> dict[str, float]:
+    """Return how many minutes longer a cell takes if it calls a function, by function name."""
+    return course_settings().get("minutes", {})
