@@ -291,15 +291,15 @@ def test_a_jumping_box_has_no_speed():
         assert parked.velocity == (0.0, 0.0)
 
 
-ALPHA_BETA = Tracker(
-    match_by_total_distance,
-    predict=lambda boxes, velocities, seconds: boxes + velocities[:, None] * seconds,
-    correct=lambda expected, velocities, found, gain, seconds: (
+STEPS = {
+    "predict": lambda boxes, velocities, seconds: boxes + velocities[:, None] * seconds,
+    "correct": lambda expected, velocities, found, gain, seconds: (
         found + (1 - gain) * (expected - found).mean(axis=1, keepdims=True),
         velocities + gain**2 / (2 - gain) * (found - expected).mean(axis=1) / seconds,
     ),
-    coast=lambda missed, partners, patience: (missed + 1, missed < patience),
-)
+    "coast": lambda missed, partners, patience: (missed + 1, missed < patience),
+}
+ALPHA_BETA = Tracker(match_by_total_distance, **STEPS)
 
 
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
@@ -341,6 +341,18 @@ def test_an_obstacle_keeps_its_track_id_and_coasts_while_unseen(tracker):
     assert [stays.track_id, gone.track_id] == [track.track_id for track in scans[-1]]
     assert stays.was_seen and not gone.was_seen
     assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "at its observed speed"
+
+
+@pytest.mark.parametrize(("scans", "is_kept"), [(1, False), (2, False), (3, True)])
+def test_an_unseen_obstacle_counts_only_if_its_track_is_confirmed(scans, is_kept):
+    def confirm(hits, partners, needed):
+        counts = np.array([hits[partner] + 1 if partner >= 0 else 1 for partner in partners], int)
+        return counts, counts >= needed
+
+    motion = make_motion(Tracker(match_by_total_distance, **STEPS, confirm=confirm))
+    for _ in range(scans):
+        assert len(motion.update(box(20, 0)[None], 0.0, 0.1)) == 1, "while it has a box"
+    assert len(motion.update(np.empty((0, 8, 3)), 0.0, 0.1)) == is_kept
 
 
 def test_a_new_track_has_no_speed_for_three_scans():

@@ -133,7 +133,7 @@ class TrackerMotion:
         self._time = self._position = 0.0
 
     def update(self, boxes: np.ndarray, distance: float, seconds: float) -> list[TrackedBox]:
-        """Update the tracker and return its tracks as tracked boxes; see `Motion.update`."""
+        """Update the tracker and return the tracks that count as boxes; see `Motion.update`."""
         self._time, self._position = self._time + seconds, self._position + distance
         track_ids = self._tracker.update(boxes, seconds).tolist()
         tracks = self._tracker.tracks
@@ -152,10 +152,16 @@ class TrackerMotion:
         ]
         speeds = np.where((np.abs(speeds) < SMALLEST_SPEED) | ~np.isfinite(speeds), 0.0, speeds)
         speeds[tracks.age < FEWEST_PLACES] = 0.0
+        # The car also brakes for new obstacles, so a tentative track counts while it has a box.
+        counted = (tracks.missed == 0) | tracks.confirmed
         return [
             TrackedBox(box, tuple(speed), missed == 0, track_id)
             for box, speed, missed, track_id in zip(
-                tracks.boxes, speeds.tolist(), tracks.missed, tracks.ids.tolist(), strict=True
+                tracks.boxes[counted],
+                speeds[counted].tolist(),
+                tracks.missed[counted],
+                tracks.ids[counted].tolist(),
+                strict=True,
             )
         ]
 
