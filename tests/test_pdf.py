@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import tempfile
 
 import pytest
 
@@ -77,6 +78,15 @@ def test_without_chromium_one_sentence_says_what_to_install(monkeypatch, tmp_pat
         "`site --pdf` needs Chromium. Run: sudo apt-get install chromium\n"
     )
     assert not (tmp_path / "site").exists()
+
+
+def test_chromium_gets_a_writable_folder_where_tmp_is_read_only(site, monkeypatch, tmp_path):
+    monkeypatch.delenv("TMPDIR", raising=False)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$TMPDIR" > "{site}/course.pdf"\n')
+    browser.chmod(0o755)
+    assert pdf.print_site(site, str(browser)).read_text() == f"{tmp_path}\n"
 
 
 @pytest.mark.slow

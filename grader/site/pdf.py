@@ -6,6 +6,7 @@ numbers its sheets.
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -71,7 +72,9 @@ def print_site(folder: Path, browser: str) -> Path:
             *("--no-pdf-header-footer", "--generate-pdf-document-outline"),
             *(f"--virtual-time-budget={PATIENCE}", f"--print-to-pdf={path}", source.as_uri()),
         ]
-        process = subprocess.run(command, capture_output=True, text=True)
+        # Chromium's lock is in TMPDIR, or in /tmp, which may be read-only.
+        env = {**os.environ, "TMPDIR": tempfile.gettempdir()}
+        process = subprocess.run(command, env=env, capture_output=True, text=True)
     source.unlink()
     if process.returncode or not path.is_file():
         raise SiteError(f"Chromium did not print the lessons: {process.stderr[-1000:]}")
