@@ -1,51 +1,54 @@
 """Time exact clustering and box detection on full scans, in the lessons and in other libraries.
 
-All implementations run in turn on the same cloud, and ratios compare times of the same round. The
-clouds are `cloud.txt`, a random street, and the files in the folder REAL_CLOUDS. The latter are
-KITTI frames, which are not part of the project. The lessons and dbscan also run on two worst cases
-for a grid of cells. `implementations.py` explains how to install the other libraries; a missing one
-is skipped with a message. ROUNDS and PATIENCE (seconds for a slow implementation) limit the time.
+All implementations run in turn on the same cloud, and ratios compare times of the same round. Each
+turn is a call with cold caches and another one right after it. The race is repeated while one busy
+process per processor is running. The clouds are `cloud.txt`, a random street, and the files in the
+folder REAL_CLOUDS, which are not part of the project. The lessons and dbscan also run on two worst
+cases for a grid of cells. `implementations.py` explains how to install the other libraries; a
+missing one is skipped with a message. ROUNDS and PATIENCE (seconds for a slow implementation) limit
+the time. SEED draws the orders and the street.
 
-The script prints a table in Markdown. It writes `.bench/measured.json` (under "clustering") and
+The script prints tables in Markdown. It writes `.bench/measured.json` (under "clustering") and
 `.bench/clustering.png`.
 """
 
 from __future__ import annotations
 
 import os
-import platform
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from grader.classroom.executors import processor_count
 from tests.benchmarks.implementations import CLUSTERING, DETECTORS, RADIUS, all_pairs
+from tests.benchmarks.load import busy
 from tests.benchmarks.racing import (
     FOLDER,
     PATIENCE,
     ROUNDS,
-    Result,
+    SEED,
     exponent,
+    machine,
     race,
     same_partition,
     save_results,
+    started,
 )
 from utils import load_cloud, scenes
 
-OURS = "ours, full speed"
+OURS, COMPILED = "ours, full speed", "ours, Numba"
 # Implementations that run on the worst cases for a grid.
-GRIDS = {name: CLUSTERING[name] for name in ("ours, Numba", OURS, "ours, taught", "dbscan (PyPI)")}
+GRIDS = {name: CLUSTERING[name] for name in (COMPILED, OURS, "ours, taught", "dbscan (PyPI)")}
 # The palette of Okabe and Ito (2008), which colour-blind readers can distinguish.
 COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#000000", "#999999"]
 SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
 
 
 def scans() -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the name and points of every cloud; a random street's name contains its seed."""
+    """Yield the name and points of every cloud."""
     yield "cloud.txt", load_cloud("cloud.txt")[:, :3]
-    seed = int(os.environ.get("SEED", np.random.SeedSequence().entropy % 10**6))
-    yield f"random street {seed}", scenes.city_block(seed=seed, frames=1)[0].cloud[:, :3]
+    yield f"random street {SEED}", scenes.city_block(seed=SEED, frames=1)[0].cloud[:, :3]
     folder = os.environ.get("REAL_CLOUDS")
     for path in sorted(Path(folder).rglob("*")) if folder else ():
         if path.suffix in (".bin", ".pcd") and path.stat().st_size > 1_000_000:
@@ -67,50 +70,74 @@ def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     yield "a million points, one for every ten cells", sparse, all_pairs(sparse)()
 
 
-def row(name: str, result: Result, ours: Result, right: str) -> list[str]:
-    """Return the cells of one table row."""
-    middle, low, high = result.times_as_long_as(ours)
-    spread = np.nanpercentile(result.seconds, (25, 75)) * 1000
-    return [
-        name,
-        f"{1000 * result.least:,.1f}",
-        f"{1000 * result.median:,.1f}",
-        f"{spread[0]:,.1f} to {spread[1]:,.1f}",
-        f"{middle:.2f} ({low:.2f} to {high:.2f})",
-        f"{result.memory / 1e6:,.0f}",
-        right,
-    ]
-
-
-def print_table(title: str, rows: list[list[str]], last: str) -> None:
-    """Print a table in Markdown."""
-    head = ["", "shortest ms", "median ms", "quartiles", "times as long", "memory MB", last]
-    print(f"\n{title}\n\n| {' | '.join(head)} |\n|---|---:|---:|---:|---:|---:|---|")
-    for cells in rows:
-        print(f"| {' | '.join(cells)} |")
-
-
-def compare(
-    implementations: dict, name: str, cloud: np.ndarray, ours: str, truth: np.ndarray | None
-) -> dict:
+def compare(name: str, implementations: dict, cloud: np.ndarray, truth: np.ndarray | None) -> dict:
     """Time all implementations on a cloud, print a table and return a record for the JSON file."""
-    results = race(implementations, cloud)
-    rows, record = [], {}
-    for implementation, result in results.items():
-        if truth is None:
-            right = str(len(result.answer))
-        else:
-            right = "right" if same_partition(result.answer, truth) else "WRONG"
-        rows.append(row(implementation, result, results[ours], right))
-        record[implementation] = {
-            "seconds": result.seconds[~np.isnan(result.seconds)].tolist(),
-            "bytes": result.memory,
-            "answer": right,
-            "times as long": result.times_as_long_as(results[ours]),
-        }
-    last = "boxes" if truth is None else "partition"
-    print_table(f"**{name}**, {len(cloud):,} points, {ROUNDS} rounds", rows, last)
-    return {"points": len(cloud), "implementations": record}
+    with started(implementations, cloud) as competitors:
+        quiet = race(competitors)
+        with busy(processor_count()):
+            loaded = race(competitors)
+    record = {
+        "points": len(cloud),
+        "other threads": [quiet.others, loaded.others],
+        "seconds": {
+            "quiet": quiet.seconds,
+            "cold caches": quiet.cold,
+            "other work": loaded.seconds,
+        },
+        "processors": quiet.processors,
+        "bytes": {name: competitor.memory for name, competitor in competitors.items()},
+        "answers": {
+            name: describe(competitor.answer, truth) for name, competitor in competitors.items()
+        },
+    }
+    print_times(name, record)
+    return record
+
+
+def describe(answer: np.ndarray, truth: np.ndarray | None) -> str:
+    """Return the number of boxes, or whether the labels are right."""
+    if truth is None:
+        return f"{len(answer)} boxes"
+    return "right" if same_partition(answer, truth) else "WRONG"
+
+
+def print_times(name: str, record: dict) -> None:
+    """Print the times on one cloud as a table in Markdown."""
+    quiet, loaded = record["other threads"]
+    print(f"\n**{name}**, {record['points']:,} points, {ROUNDS} rounds or fewer")
+    print(f"Other running threads: {quiet:.1f}, and {loaded:.1f} with other work\n")
+    conditions = " | ".join(f"{condition}, ms" for condition in record["seconds"])
+    print(f"| least and median time | {conditions} | processors used | memory, MB | answer |")
+    print("|---|---:|---:|---:|---:|---:|---|")
+    for program, answer in record["answers"].items():
+        cells = [
+            "{:,.1f}, {:,.1f}".format(*1000 * np.nanpercentile(seconds[program], (0, 50)))
+            for seconds in record["seconds"].values()
+        ]
+        cells.append(f"{record['processors'][program]:.1f}")
+        cells.append(f"{record['bytes'][program] / 1e6:,.0f}")
+        print(f"| {program} | {' | '.join(cells)} | {answer} |")
+
+
+def print_ratios(records: dict[str, dict], reference: str) -> None:
+    """Print how many times as long as a reference the programs take, as a table in Markdown."""
+    first = next(iter(records.values()))
+    if reference not in first["answers"]:
+        return
+    print(f"\n**Times as long as {reference}**, median of the rounds, over {len(records)} scans\n")
+    print(f"| program | {' | '.join(first['seconds'])} |\n|---|---:|---:|---:|")
+    for program in first["answers"]:
+        cells = []
+        for condition in first["seconds"]:
+            times = [record["seconds"][condition] for record in records.values()]
+            ratios = [np.nanmedian(np.divide(each[program], each[reference])) for each in times]
+            cells.append(f"{short(min(ratios))} to {short(max(ratios))}")
+        print(f"| {program} | {' | '.join(cells)} |")
+
+
+def short(ratio: float) -> str:
+    """Return a ratio with two digits or more."""
+    return f"{ratio:.{max(0, 1 - int(np.floor(np.log10(ratio))))}f}"
 
 
 def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
@@ -122,19 +149,16 @@ def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
 
 def scale(scan: np.ndarray) -> dict[str, dict]:
     """Time each implementation on growing clouds until it is too slow; print and return times."""
-    found: dict[str, dict] = {}
-    implementations = dict(CLUSTERING)
+    found: dict[str, dict] = {name: {"points": [], "seconds": []} for name in CLUSTERING}
+    quick = dict(CLUSTERING)
     for size in SIZES:
-        results = race(implementations, turns_side_by_side(scan, size), memory=False)
-        for name, result in results.items():
-            series = found.setdefault(name, {"points": [], "seconds": []})
-            series["points"].append(size)
-            series["seconds"].append(result.least)
-        implementations = {
-            name: implementation
-            for name, implementation in implementations.items()
-            if name in results and 4 * results[name].median < PATIENCE
-        }
+        with started(quick, turns_side_by_side(scan, size)) as competitors:
+            times = race(competitors).seconds
+        for name, seconds in times.items():
+            found[name]["points"].append(size)
+            found[name]["seconds"].append(np.nanmin(seconds))
+        quick = {name: quick[name] for name in times if 4 * np.nanmedian(times[name]) < PATIENCE}
+    found = {name: series for name, series in found.items() if series["points"]}
     print("\n**Growing clouds**: whole turns side by side, times in seconds, fitted exponent\n")
     for name, series in found.items():
         series["exponent"] = exponent(series["points"], series["seconds"])
@@ -146,8 +170,7 @@ def scale(scan: np.ndarray) -> dict[str, dict]:
 def draw_bars(name: str, measured: dict, scale: str, axes) -> None:
     """Draw the shortest time of each implementation on one cloud as bars."""
     least = {
-        implementation: 1000 * min(found["seconds"])
-        for implementation, found in measured["implementations"].items()
+        name: 1000 * np.nanmin(seconds) for name, seconds in measured["seconds"]["quiet"].items()
     }
     ordered = sorted(least, key=least.get, reverse=True)
     colours = [
@@ -185,21 +208,29 @@ def draw(record: dict, path: Path) -> None:
     axes["growth"].set(xlabel="points", ylabel="s", title="Turns of the scanner, side by side")
     axes["growth"].legend(fontsize="small", frameon=False, loc="upper left", ncols=2)
     axes["growth"].margins(y=0.25)
+    figure.supxlabel(
+        f"Shortest of {record['rounds']} rounds. {record['machine']}", fontsize="small"
+    )
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
 def main() -> None:
     """Measure, print the tables and write the files."""
-    about = {"python": sys.version.split()[0], "machine": platform.machine(), "rounds": ROUNDS}
-    record = about | {"radius": RADIUS, "clustering": {}, "worst": {}, "detector": {}}
+    about = {"machine": machine(), "rounds": ROUNDS, "seed": SEED, "radius": RADIUS}
+    print(*(f"{name}: {value}" for name, value in about.items()), sep="; ")
+    record = about | {"clustering": {}, "worst": {}, "detector": {}}
     clouds = {name: np.ascontiguousarray(cloud, dtype=float) for name, cloud in scans()}
     for name, cloud in clouds.items():
-        record["clustering"][name] = compare(CLUSTERING, name, cloud, OURS, all_pairs(cloud)())
+        record["clustering"][name] = compare(name, CLUSTERING, cloud, all_pairs(cloud)())
+    print_ratios(record["clustering"], OURS)
+    print_ratios(record["clustering"], COMPILED)
+    print("\n## Worst cases")
     for name, cloud, truth in worst_cases():
-        record["worst"][name] = compare(GRIDS, name, cloud, OURS, truth)
+        record["worst"][name] = compare(name, GRIDS, cloud, truth)
     print("\n## From the raw scan to boxes")
     for name, cloud in clouds.items():
-        record["detector"][name] = compare(DETECTORS, name, cloud, "ours", None)
+        record["detector"][name] = compare(name, DETECTORS, cloud, None)
+    print_ratios(record["detector"], "PCL")
     record["scaling"] = scale(clouds["cloud.txt"])
     path = save_results("clustering", record)
     draw(record, FOLDER / "clustering.png")

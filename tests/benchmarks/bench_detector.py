@@ -1,9 +1,9 @@
-"""Time lesson 12's detector step by step, compare it with PCL's, and measure its quality.
+"""Time lesson 12's detector step by step, and measure its quality.
 
-The two detectors run in turn on `cloud.txt`, ROUNDS times each. Quality is the F1 score over one
-frame of each of the eight streets of lesson 12, and of eight other streets. The standard errors
-come from a jackknife over streets. Recall is measured on the labelled frames in REAL_CLOUDS, with
-Wilson's 95 % interval, which is wide because there are only a few cars.
+The detector runs on `cloud.txt`, ROUNDS times; `bench_clustering.py` compares it with PCL. Quality
+is the F1 score over one frame of each of the eight streets of lesson 12, and of eight other
+streets. The standard errors come from a jackknife over streets. Recall is measured on the labelled
+frames in REAL_CLOUDS, with Wilson's 95 % interval, which is wide because there are only a few cars.
 
 Rows of the table are not directly comparable; a note below the table says why.
 `search_detector.py` searches for better parameters.
@@ -23,8 +23,7 @@ from types import FunctionType
 import numpy as np
 
 from grader.course.lessons import load_reference
-from tests.benchmarks.implementations import detect_by_pcl
-from tests.benchmarks.racing import ROUNDS, MissingProgram, save_results
+from tests.benchmarks.racing import ROUNDS, save_results
 from utils import load_cloud, scenes
 from utils.boxes import Box, plane_iou
 from utils.scoring.card import OVERLAPS, score_card, within
@@ -84,29 +83,15 @@ class TimedDetector:
         self._detect(cloud)
         whole = time.perf_counter() - begin
         rest = whole - sum(self._seconds.values())
-        return self._seconds | {"the rest": rest, "ours, whole": whole}
+        return self._seconds | {"the rest": rest, "whole": whole}
 
 
 def step_times(cloud: np.ndarray) -> dict[str, list[float]]:
-    """Return the seconds of each step, and of PCL if it is installed, in each round."""
-    detector, pcl = TimedDetector(), None
+    """Return the seconds of each step in each round."""
+    detector = TimedDetector()
     detector(cloud)
-    try:
-        pcl = detect_by_pcl(np.ascontiguousarray(cloud[:, :3], dtype=float))
-        pcl()
-    except MissingProgram as reason:
-        print(f"  PCL is skipped: {reason}")
-        pcl = None
-    found: dict[str, list[float]] = {}
-    for _ in range(ROUNDS):
-        seconds = detector(cloud)
-        if pcl:
-            begin = time.perf_counter()
-            pcl()
-            seconds["PCL, whole"] = time.perf_counter() - begin
-        for name, value in seconds.items():
-            found.setdefault(name, []).append(value)
-    return found
+    rounds = [detector(cloud) for _ in range(ROUNDS)]
+    return {name: [seconds[name] for seconds in rounds] for name in rounds[0]}
 
 
 def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -169,13 +154,6 @@ def main() -> None:
     for name, values in seconds.items():
         least, low, middle, high = 1000 * np.percentile(values, (0, 25, 50, 75))
         print(f"| {name} | {least:.1f} | {middle:.1f} | {low:.1f} to {high:.1f} |")
-    if "PCL, whole" in seconds:
-        ratios = np.divide(seconds["ours, whole"], seconds["PCL, whole"])
-        print(
-            f"\nOurs takes {np.median(ratios):.2f} times as long as PCL "
-            f"({ratios.min():.2f} to {ratios.max():.2f}). Ours fits the rectangle with the "
-            "closest sides to each cluster, and the program with PCL fits the smallest rectangle."
-        )
     quality: dict[str, object] = {}
     print(f"\n| F1 at an IoU of | {' | '.join(map(str, OVERLAPS))} |\n|---|---:|---:|---:|")
     for name, seeds in STREETS.items():

@@ -6,12 +6,13 @@ The other libraries, and Numba for lesson 13, are in their own environment:
     .bench/peers/bin/pip install -r tests/benchmarks/requirements.txt -r requirements-compiled.txt
     PEERS=$(echo .bench/peers/lib/python3*/site-packages) make bench
 
-PCL is a C++ library. Debian's `libpcl-dev`, `g++` and `pkg-config` build `pcl_peer` from
-`pcl_peer.cpp`, unless PCL_PEER is the path of a finished program.
+PCL is a C++ library. Debian's `libpcl-dev`, `g++` and `pkg-config` build a library from
+`pcl_peer.cpp`, which Python calls.
 """
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
 import shutil
@@ -108,9 +109,16 @@ def open3d(cloud: np.ndarray) -> np.ndarray:
     return np.asarray(shell.cluster_dbscan(RADIUS, 1))
 
 
-def pcl(cloud: np.ndarray) -> PclPeer:
+def pcl(cloud: np.ndarray) -> Callable[[], np.ndarray]:
     """Cluster with PCL's EuclideanClusterExtraction."""
-    return PclPeer("cluster", cloud)
+    peer, points = _load_into_pcl(cloud)
+    labels = np.empty(len(cloud), dtype=np.int32)
+
+    def work() -> np.ndarray:
+        peer.label_clusters(points, RADIUS, labels)
+        return labels
+
+    return work
 
 
 @_as_implementation
@@ -125,9 +133,13 @@ def detect_by_numba(cloud: np.ndarray) -> np.ndarray:
     return _compiled("detect_compiled")(cloud)
 
 
-def detect_by_pcl(cloud: np.ndarray) -> PclPeer:
-    """Detect boxes with the same steps in PCL: the smallest rectangles around clusters."""
-    return PclPeer("detect", cloud)
+def detect_by_pcl(cloud: np.ndarray) -> Callable[[], np.ndarray]:
+    """Detect boxes with the same steps in PCL: the smallest rectangles around clusters.
+
+    The answer is only an array of zeros, one for each box.
+    """
+    peer, points = _load_into_pcl(cloud)
+    return lambda: np.zeros(peer.count_boxes(points, RADIUS))
 
 
 CLUSTERING: dict[str, Implementation] = {
@@ -147,67 +159,38 @@ DETECTORS: dict[str, Implementation] = {
 }
 
 
-class PclPeer:
-    """A running `pcl_peer` program, which does its work once per call.
-
-    Parameters
-    ----------
-    work : {"cluster", "detect"}
-    cloud : ndarray, shape (n, 3)
-
-    Raises
-    ------
-    tests.benchmarks.racing.MissingProgram
-        If the program does not exist and cannot be built.
-    """
-
-    def __init__(self, work: str, cloud: np.ndarray) -> None:
-        self._folder = tempfile.TemporaryDirectory()
-        points, self._answer = Path(self._folder.name, "points"), Path(self._folder.name, "answer")
-        points.write_bytes(cloud.astype("<f4").tobytes())
-        self._work, self._count = work, len(cloud)
-        self._program = subprocess.Popen(
-            [pcl_program(), work, points, str(RADIUS), self._answer],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        self.process = self._program.pid
-
-    def __call__(self) -> np.ndarray:
-        """Return the points' labels, or zeros whose number is that of the detected boxes."""
-        try:
-            self._program.stdin.write("\n")
-            self._program.stdin.flush()
-        except BrokenPipeError:
-            raise MissingProgram("pcl_peer does not run; it says why above") from None
-        if not self._program.stdout.readline():
-            raise MissingProgram("pcl_peer does not run; it says why above")
-        if self._work == "detect":
-            return np.zeros(int(self._answer.read_text()))
-        return np.fromfile(self._answer, "<i4")
-
-    def __del__(self) -> None:
-        if hasattr(self, "_program"):
-            self._program.kill()
-            self._program.communicate()
+def _load_into_pcl(cloud: np.ndarray) -> tuple[ctypes.CDLL, int]:
+    peer = pcl_peer()
+    return peer, peer.load_cloud(cloud.astype(np.float32, order="C"), len(cloud))
 
 
 @functools.cache
-def pcl_program() -> str:
-    """Return the path of `pcl_peer`, and build it if necessary."""
-    if os.environ.get("PCL_PEER"):
-        return os.environ["PCL_PEER"]
+def pcl_peer() -> ctypes.CDLL:
+    """Return the library built from `pcl_peer.cpp`, and build it if necessary."""
+    library = Path(tempfile.gettempdir(), f"pcl_peer-{os.getuid()}.so")
+    if not library.exists() or library.stat().st_mtime < PCL_SOURCE.stat().st_mtime:
+        build_pcl_peer(library)
+    peer = ctypes.CDLL(str(library))
+    points, radius = ctypes.c_void_p, ctypes.c_double
+    peer.load_cloud.argtypes = (np.ctypeslib.ndpointer(np.float32, flags="C"), ctypes.c_long)
+    peer.load_cloud.restype = points
+    peer.label_clusters.argtypes = (points, radius, np.ctypeslib.ndpointer(np.int32, flags="C"))
+    peer.label_clusters.restype = None
+    peer.count_boxes.argtypes = (points, radius)
+    peer.count_boxes.restype = ctypes.c_long
+    return peer
+
+
+def build_pcl_peer(library: Path) -> None:
+    """Compile `pcl_peer.cpp`; raise `MissingProgram` without a compiler or PCL."""
     if not shutil.which("pkg-config") or not shutil.which("g++"):
         raise MissingProgram("no g++ and pkg-config")
-    libraries = [f"pcl_{name}" for name in PCL_LIBRARIES]
+    needed = [f"pcl_{name}" for name in PCL_LIBRARIES]
     flags = subprocess.run(
-        ["pkg-config", "--cflags", "--libs", *libraries], capture_output=True, text=True
+        ["pkg-config", "--cflags", "--libs", *needed], capture_output=True, text=True
     )
     if flags.returncode:
         raise MissingProgram("no libpcl-dev")
-    program = Path(tempfile.gettempdir(), f"pcl_peer-{os.getuid()}")
-    if not program.exists() or program.stat().st_mtime < PCL_SOURCE.stat().st_mtime:
-        command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", PCL_SOURCE, "-o", program]
-        subprocess.run([*command, *flags.stdout.split()], check=True)
-    return str(program)
+    options = ["-std=c++17", "-O3", "-DNDEBUG", "-shared", "-fPIC"]
+    command = ["g++", *options, PCL_SOURCE, "-o", library, *flags.stdout.split()]
+    subprocess.run(command, check=True)

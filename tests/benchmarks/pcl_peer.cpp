@@ -1,19 +1,9 @@
-// PCL's clustering and a detector made of PCL's parts, to be timed beside ours.
-//
-//     pcl_peer cluster|detect POINTS RADIUS ANSWER
-//
-// POINTS holds x y z as float32. For each line on standard input the work is done once and its
-// seconds are printed. ANSWER receives, after the first time, what came out: labels as int32, or
-// the number of boxes.
+// PCL's clustering and a detector built from PCL's parts, as functions for Python's ctypes.
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <iostream>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include <pcl/filters/crop_box.h>
@@ -110,35 +100,23 @@ std::vector<std::array<float, 7>> detect(const Cloud::Ptr& cloud, double radius)
     return boxes;
 }
 
-int main(int count, char** arguments) {
-    if (count != 5) {
-        std::cerr << "pcl_peer cluster|detect POINTS RADIUS ANSWER\n";
-        return 2;
-    }
-    const std::string work = arguments[1];
-    const double radius = std::stod(arguments[3]);
-    auto cloud = std::make_shared<Cloud>();
-    std::ifstream file(arguments[2], std::ios::binary);
-    for (float xyz[3]; file.read(reinterpret_cast<char*>(xyz), sizeof xyz);)
-        cloud->push_back({xyz[0], xyz[1], xyz[2]});
+extern "C" {
 
-    bool first = true;
-    for (std::string line; std::getline(std::cin, line); first = false) {
-        const auto begin = std::chrono::steady_clock::now();
-        std::vector<pcl::PointIndices> groups;
-        std::size_t boxes = 0;
-        if (work == "cluster") groups = clusters(cloud, radius, 1);
-        else boxes = detect(cloud, radius).size();
-        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-        if (first) {
-            std::ofstream answer(arguments[4], std::ios::binary);
-            if (work == "detect") answer << boxes;
-            std::vector<std::int32_t> labels(cloud->size(), 0);
-            for (std::size_t group = 0; group < groups.size(); ++group)
-                for (int row : groups[group].indices) labels[row] = std::int32_t(group) + 1;
-            if (work == "cluster")
-                answer.write(reinterpret_cast<char*>(labels.data()), 4 * std::streamsize(labels.size()));
-        }
-        std::cout << seconds.count() << std::endl;
+// Return a cloud that is never freed: the process of a benchmark loads few of them.
+Cloud::Ptr* load_cloud(const float* xyz, long count) {
+    auto cloud = std::make_shared<Cloud>();
+    for (long row = 0; row < count; ++row)
+        cloud->push_back({xyz[3 * row], xyz[3 * row + 1], xyz[3 * row + 2]});
+    return new Cloud::Ptr(cloud);
+}
+
+void label_clusters(const Cloud::Ptr* cloud, double radius, std::int32_t* labels) {
+    std::int32_t label = 0;
+    for (const auto& cluster : clusters(*cloud, radius, 1)) {
+        ++label;
+        for (int row : cluster.indices) labels[row] = label;
     }
+}
+
+long count_boxes(const Cloud::Ptr* cloud, double radius) { return detect(*cloud, radius).size(); }
 }
