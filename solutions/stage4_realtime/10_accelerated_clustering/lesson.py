@@ -513,8 +513,8 @@ print(f"smallest distance: {smallest_distance(p, q):.2f} m")
 # %%
 def points_by_cell(points, cell_of_point):
     """Return a list with one array for each cell: its points, shape (k, 3)."""
-    sizes = np.bincount(cell_of_point)
-    return np.split(points[np.argsort(cell_of_point)], np.cumsum(sizes)[:-1])
+    points, ends = points[np.argsort(cell_of_point)], np.cumsum(np.bincount(cell_of_point))
+    return [points[start:end] for start, end in zip([0, *ends], ends)]
 
 
 for cell, inside in enumerate(points_by_cell(seven, cell_of_point)):
