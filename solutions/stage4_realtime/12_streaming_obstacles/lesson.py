@@ -220,11 +220,13 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
     # 6. Fit a box to each remaining cluster.
     # roughly 14 lines, if each step is a function
     ### BEGIN SOLUTION
-    # Masks are faster on columns that are contiguous, and sums in double precision.
-    points = drop_invalid(np.asfortranarray(cloud[:, :3], dtype=float))
-    points = crop_region(points, minimum, maximum)
-    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
-    low = points[points[:, 2] < ground_level]
+    # Masks and distances are faster on columns that are contiguous, and sums in double precision.
+    by_columns = np.asfortranarray
+    points = drop_invalid(by_columns(cloud[:, :3], dtype=float))
+    points = crop_region(by_columns(points), minimum, maximum)
+    points = remove_ego_returns(by_columns(points), (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+    points = by_columns(points)
+    low = by_columns(points[points[:, 2] < ground_level])
     plane, near = ransac_plane(low, 50, 0.2, 0)
     if plane is not None:
         points = points[point_plane_distance(points, fit_plane(low[near])) > 0.3]
