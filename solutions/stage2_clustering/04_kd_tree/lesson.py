@@ -22,7 +22,7 @@
 # - search a kd-tree within a radius, and explain why each branch was visited or skipped,
 # - balance a kd-tree, and show by counting how much work this saves.
 #
-# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and the basics of Python classes. **Time:** (time), in three sittings of about 50, 40 and 45 minutes.
+# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and the basics of Python classes. **Time:** (time: 120), in three sittings of about 40, 35 and 45 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -277,7 +277,7 @@ plots.kd_tree(by_arrival.root, title="Your tree");
 check(KdTree, exercise="insert")
 
 # %% [markdown]
-# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (40 minutes), you search the tree.
+# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (35 minutes), you search the tree.
 
 # %% [markdown]
 # ## Searching: which branches can be left out?
