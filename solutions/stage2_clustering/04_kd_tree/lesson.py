@@ -742,8 +742,8 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
                     legend=False, axes=axes, title=title)
     right_ones = [i for i in range(len(points)) if dist(points[i], centre) <= metres]
     for wrong in set(finds) ^ set(right_ones):
-        plots.ring(axes, *points[wrong], radius=1.1,
-                   text="missing" if wrong in right_ones else "not near")
+        plots.ring(axes, *points[wrong], radius=0.75,
+                   text=f"{wrong}: {'missing' if wrong in right_ones else 'not near'}")
     looks = f"; looks at {len(visited)} of {len(points)} nodes" if visited else ""
     print(f"{title:>15}: finds {finds}, should find {right_ones}{looks}")
 

@@ -300,7 +300,7 @@ lost[:1500] = np.nan
 bad_day = np.vstack([first.cloud, bonnet, lost])
 still_found = detect_obstacles(bad_day)
 print(f"{len(found)} boxes in the good scan, {len(still_found)} in the bad scan")
-axes = plots.boxes(still_found, cloud=bonnet, limits=((-4, 9), (-4, 4)), label="found",
+axes = plots.boxes(still_found, cloud=bonnet, limits=((-4, 7), (-3, 3)), label="found",
                    title="Close to the sensor, in the bad scan")
 plots.ring(axes, 1.7, 0, radius=1.3, text="no box in here");
 
