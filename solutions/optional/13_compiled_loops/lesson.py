@@ -359,14 +359,14 @@ def ascending(numbers):
     """Return the order that sorts whole numbers >= 0; equal numbers keep their order."""
     n, largest, shift = len(numbers), numbers.max(), 0
     order, other = np.arange(n), np.empty(n, np.int64)
-    while largest >> shift:
+    while largest >> shift:  # there are digits left
         place = np.zeros(2049, np.int64)
         for i in range(n):
             place[((numbers[i] >> shift) & 2047) + 1] += 1
         for digit in range(2048):
             place[digit + 1] += place[digit]
         for i in range(n):
-            digit = (numbers[order[i]] >> shift) & 2047
+            digit = (numbers[order[i]] >> shift) & 2047  # drop `shift` bits, keep the next 11
             other[place[digit]] = order[i]
             place[digit] += 1
         order, other = other, order

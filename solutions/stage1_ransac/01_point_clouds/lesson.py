@@ -44,7 +44,7 @@ from utils.scenes import simple_highway
 frame = simple_highway()
 highway = frame.cloud
 figure, axes = plt.subplots(figsize=(8.5, 5.2), layout="compressed")
-plots.from_above(highway, values=highway[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
+plots.from_above(highway, values=highway[:, 2], span=(-2.6, -1), label="height z (m)", axes=axes,
                  limits=((-25, 35), (-16, 16)), title="Rings on the road, with gaps at the cars")
 for x, y in ((15, 0), (8, -4), (-12, 4)):
     plots.ring(axes, x, y, radius=2.8, text="car")
@@ -56,7 +56,7 @@ for x, y in ((15, 0), (8, -4), (-12, 4)):
 
 # %%
 mine = highway[highway[:, 0] > 0]
-plots.from_above(mine, values=mine[:, 2], span=(-2.6, 0), label="height z (m)",
+plots.from_above(mine, values=mine[:, 2], span=(-2.6, -1), label="height z (m)",
                  limits=((-25, 35), (-16, 16)), title=f"Your mask keeps {len(mine)} returns");
 
 # %% [markdown]
@@ -157,7 +157,7 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 # %%
 ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
 figure, axes = plt.subplots(figsize=(8.5, 3.4), layout="compressed")
-plots.from_side(ahead, values=ahead[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
+plots.from_side(ahead, values=ahead[:, 2], span=(-2.6, -1), label="height z (m)", axes=axes,
                 level=-2.6, limits=((-2, 22), (-3.2, 0.6)), title="The rays that go straight ahead")
 axes.plot([13, 13, 14, 14, 16, 16, 17, 17], [-2.6, -1.3, -1.3, -0.6, -0.6, -1.3, -1.3, -2.6],
           color="black")  # the outline of the car, which the simulator knows
@@ -484,7 +484,7 @@ if is_written(horizontal_distance):
                    "For each number, Python looks up a function, unpacks the number and makes a "
                    "new object. NumPy does this only once for a whole column.")
 else:
-    print("You have not written horizontal_distance yet, so only the loop is measured.")
+    print("horizontal_distance has not passed its check, so only the loop is measured.")
 plots.timing({name: (counts, series) for name, series in times.items()}, fit=False,
              title="Time for n points, on logarithmic axes")
 for name, series in times.items():

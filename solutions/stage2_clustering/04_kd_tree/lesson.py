@@ -22,7 +22,7 @@
 # - search a kd-tree within a radius, and explain why each branch was visited or skipped,
 # - balance a kd-tree, and show by counting how much work this saves.
 #
-# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and the basics of Python classes. **Time:** (time), in three sittings of about 50, 40 and 45 minutes.
+# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and the basics of Python classes. **Time:** (time: 120), in three sittings of about 40, 35 and 45 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -277,7 +277,7 @@ plots.kd_tree(by_arrival.root, title="Your tree");
 check(KdTree, exercise="insert")
 
 # %% [markdown]
-# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (40 minutes), you search the tree.
+# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (35 minutes), you search the tree.
 
 # %% [markdown]
 # ## Searching: which branches can be left out?
@@ -742,8 +742,8 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
                     legend=False, axes=axes, title=title)
     right_ones = [i for i in range(len(points)) if dist(points[i], centre) <= metres]
     for wrong in set(finds) ^ set(right_ones):
-        plots.ring(axes, *points[wrong], radius=1.1,
-                   text="missing" if wrong in right_ones else "not near")
+        plots.ring(axes, *points[wrong], radius=0.75,
+                   text=f"{wrong}: {'missing' if wrong in right_ones else 'not near'}")
     looks = f"; looks at {len(visited)} of {len(points)} nodes" if visited else ""
     print(f"{title:>15}: finds {finds}, should find {right_ones}{looks}")
 

@@ -296,7 +296,7 @@ print("a number for each row:", as_numbers(cells), "  different ones:", differen
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
-# These numbers have no meaning of their own. Rows 0, 2 and 3 have the first number, so they are of kind 0. Row 1 has the second number, so it is of kind 1. Each row also has a price, and now we add up the prices of each kind. There is a trap:
+# These numbers have no meaning of their own. Rows 0, 2 and 3 have the first number, so they are of kind 0. Row 1 has the second number, so it is of kind 1. Suppose that each row has a price, and that we want the sum of the prices of each kind. There is a trap:
 
 # %%
 prices = np.array([10, 1, 5, 2])

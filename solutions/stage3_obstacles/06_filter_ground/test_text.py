@@ -186,3 +186,12 @@ def test_with_the_default_the_car_gets_less_than_half_as_far_uphill(filter_groun
     high, default = report_with(-0.6), report_with(-1.2)
     assert round(high.metres) == 82 and not high.brakings
     assert default.metres < high.metres / 2 and default.brakings
+
+
+@pytest.mark.proof
+def test_downhill_the_car_stops_in_time_only_with_a_low_level(filter_ground):
+    for level, speed in ((-0.6, "at 30 km/h"), (-1.2, "at 4 km/h"), (-1.7, "")):
+        detect = chain(ground=lambda points, level=level: filter_ground(points, level))
+        report = drive_street(16, detect, seconds=13, clock=on_time).report
+        assert bool(report.collision) == bool(speed) and speed in str(report.collision)
+    assert report.brakings  # with the lowest level

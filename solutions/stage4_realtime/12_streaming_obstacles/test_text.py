@@ -72,6 +72,8 @@ def lesson_names():
         "follow",
         "mistakes_of",
         "counts_of",
+        "confirm",
+        "show_ghost",
         "boxes_of_colleagues",
         "gain_curve",
         "wobble_of",
@@ -199,6 +201,7 @@ def test_a_bad_scan_shows_missing_steps(lesson_names):
     good = lesson_names["city"][0].cloud
     bad = np.vstack([good, lesson_names["bonnet"], lesson_names["lost"]])
     assert len(lesson_names["detect_obstacles"](good)) == len(lesson_names["detect_obstacles"](bad))
+    assert np.hypot(*(lesson_names["bonnet"][:, :2] - (1.7, 0)).T).max() < 1.3  # in the ring
     assert ego_car_boxes(run_steps(lesson_names, good, "remove_ego_returns")[1]) == 0
     assert ego_car_boxes(run_steps(lesson_names, bad, "remove_ego_returns")[1]) == 1
     # Without drop_invalid, later steps happen to remove the same returns.
@@ -235,8 +238,12 @@ def test_a_detector_that_loads_its_functions_gets_a_note():
 
 
 def test_a_cardboard_car_gets_one_box(lesson_names):
-    boxes = lesson_names["detect_obstacles"](lesson_names["cardboard_street"]())
+    toy = lesson_names["cardboard_street"]()
+    boxes = lesson_names["detect_obstacles"](toy)
     assert len(boxes) == 1
+    drawn = toy[toy[:, 2] > -1.7, :2]
+    distances = np.hypot(*(drawn[drawn.any(axis=1)] - (8, 2)).T)
+    assert len(drawn) > 1000 and (distances > 0.8).all() and (distances < 2.3).all()  # no road
     sides = sorted(np.linalg.norm(boxes[0][[1, 2]] - boxes[0][[0, 1]], axis=1))
     assert np.allclose(sides, (1.8, 4.0), atol=0.15)
 
@@ -421,6 +428,15 @@ def test_statements_about_confirmed_tracks_are_true(lesson_names, tracked_object
     assert SCANS_TO_BE_SURE == 3
 
 
+def test_a_ghost_has_a_track_for_four_frames_but_it_is_never_confirmed(lesson_names, monkeypatch):
+    tables = []
+    monkeypatch.setitem(lesson_names, "show_table", lambda columns, rows: tables.append(rows))
+    lesson_names["show_ghost"]()
+    lesson_names["show_ghost"](confirm=lesson_names["confirm"])
+    counts = [[row[2] for row in rows] for rows in tables]
+    assert counts == [[0, 1, 1, 1, 1, 0], [0] * 6]
+
+
 @pytest.fixture(scope="module")
 def drives(lesson_names):
     """Three seconds of eight streets: boxes, the object in each box, and the true boxes."""
@@ -535,6 +551,8 @@ def test_the_ringed_box_holds_two_objects_that_had_boxes_before(lesson_names):
 
 
 def test_at_no_distance_are_both_mistakes_zero(lesson_names, tracked_objects):
+    (limits,) = re.findall(r"^limits = (\[.*\])$", TEXT, re.M)
+    assert len(json.loads(limits)) == 10 and "The next figure compares ten distances" in TEXT
     for use in ((), ("predict",), ("predict", "correct"), lesson_names["ALL"]):
         made = [lesson_names["mistakes_of"](limit, use) for limit in (0.2, 0.5, 1.0, 2.0, 10.0)]
         assert all(mistakes.switches + mistakes.shared > 10 for mistakes in made)
