@@ -10,14 +10,11 @@ from pathlib import Path
 from grader import commands
 from grader.authoring.skeleton import DEFAULT_STAGE
 from grader.classroom.executors import processor_count
-from grader.course.deadlines_file import DeadlinesError
 from grader.course.extension import extension_constant
-from grader.course.roster import RosterError
-from grader.course.seed import ShortSeed
 from grader.course.settings import course_title, version
+from grader.errors import UserError
 from grader.lms.exporters import EXPORTERS
-from grader.lms.results import GradebookUnavailable
-from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
+from grader.sandbox import AUTO, SANDBOXES
 
 PROGRAM = "python -m grader"
 LINE_WIDTH = 78  # characters per line of a description
@@ -49,13 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = build_parser().parse_args(arguments)
     try:
         return options.run(options)
-    except (
-        SandboxUnavailable,
-        ShortSeed,
-        RosterError,
-        DeadlinesError,
-        GradebookUnavailable,
-    ) as error:
+    except UserError as error:
         print(error, file=sys.stderr)
         return commands.USAGE_ERROR
     except KeyboardInterrupt:

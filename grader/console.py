@@ -19,8 +19,6 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.judging.verdict import FAILED
-from grader.lms.marks_table import format_duration
-from grader.lms.results import format_points, rounded_points
 
 if TYPE_CHECKING:
     from grader.classroom.collect.collection_report import CollectionReport, Question
@@ -250,6 +248,9 @@ def print_class(
 
 def print_term(notebooks: Sequence[NotebookResult], total: str) -> None:
     """Print a student's results in all lessons of the term, and a sentence about the total."""
+    from grader.lms.marks_table import format_duration
+    from grader.lms.results import format_points
+
     table = Table(title="The term so far", title_justify="left", box=SIMPLE_HEAD)
     table.add_column("Lesson", no_wrap=True)
     for heading in ("Points", "Of", "Penalty", "Late"):
@@ -524,6 +525,9 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
 
     If there are several stages, the texts name the stage: ``stage3 1 d 9 h -18``.
     """
+    from grader.lms.marks_table import format_duration
+    from grader.lms.results import rounded_points
+
     late = {}
     for result in results.stages if results else ():
         if result.stage in stages and (result.late or result.undecided):
@@ -536,6 +540,8 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
 
 def _mark_text(result: NotebookResult) -> str:
     """Return a student's mark for a lesson, or a sign that `LEGEND` explains."""
+    from grader.lms.results import rounded_points
+
     signs = {"missing": "-", "excused": "ex", "auditor": "aud"}
     if result.status in signs:
         return signs[result.status]
@@ -545,6 +551,8 @@ def _mark_text(result: NotebookResult) -> str:
 
 
 def _score_text(verdict: Verdict | None, results: ClassResults | None) -> str:
+    from grader.lms.results import rounded_points
+
     if verdict is None:
         return "-"
     points = results.judged_points(verdict) if results else verdict.score

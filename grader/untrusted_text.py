@@ -9,4 +9,6 @@ def one_line(text: str) -> str:
     On a terminal, a second line could look like a message from the grader. In Markdown, a blank
     line would end a block of HTML.
     """
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else " " for c in text)
+    return " ".join(text.split())

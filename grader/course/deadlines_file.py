@@ -38,6 +38,7 @@ from grader.course.lessons import Lesson
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 from grader.course.times import YEARS, UnclearTime, read_time, to_utc
+from grader.errors import UserError
 
 EXCUSED = "excused"
 # TOML 1.1 allows dates without seconds, which Python's reader of TOML 1.0 refuses.
@@ -52,7 +53,7 @@ _PLACES = {
 }
 
 
-class DeadlinesError(Exception):
+class DeadlinesError(UserError):
     """``deadlines.toml`` is invalid; `str()` says where the error is and how to fix it."""
 
 

@@ -4,8 +4,6 @@ import functools
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.nbgrader_settings import course_settings
-
 PROJECT = Path(__file__).resolve().parents[2]
 
 
@@ -49,5 +47,8 @@ class Course:
 @functools.cache
 def _folder(root: Path, kind: str) -> str:
     """Return the name of an nbgrader folder, which ``nbgrader_config.py`` may change."""
+    # Importing nbgrader's settings takes time, and `judge` does not need them.
+    from grader.course.nbgrader_settings import course_settings
+
     settings = course_settings(root).CourseDirectory
     return settings.get(f"{kind}_directory", kind)

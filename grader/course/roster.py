@@ -12,12 +12,13 @@ from pathlib import Path
 
 from grader.course.paths import Course
 from grader.course.tables import Table, TableError, read_table
+from grader.errors import UserError
 
 MAX_CHARACTERS = 128  # the limit of nbgrader's gradebook
 COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name that `nbgrader db student import` uses
 
 
-class RosterError(Exception):
+class RosterError(UserError):
     """The roster is invalid; `str()` says where the error is and how to fix it."""
 
 

@@ -6,12 +6,13 @@ import secrets
 import tempfile
 
 from grader.course.paths import Course
+from grader.errors import UserError
 
 # Student code could find a smaller seed by trying all seeds until one gives a hidden test's input.
 MIN_SEED = 2**64
 
 
-class ShortSeed(Exception):
+class ShortSeed(UserError):
     """The seed is so small that students could guess it; `str()` is the sentence to show."""
 
 

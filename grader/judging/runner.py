@@ -1,6 +1,7 @@
 """Run the checks of a lesson in this process, which never executes student code.
 
-Visible checks run as in the notebook, and hidden tests run in pytest. Settings in the environment,
+Visible checks run as in the notebook. Pytest collects the hidden tests of a lesson only once per
+process, because collecting them takes as long as running them. Settings in the environment,
 plugins and ``conftest.py`` files have no effect.
 """
 
@@ -10,16 +11,17 @@ import contextlib
 import functools
 import hashlib
 import importlib
-import inspect
 import itertools
 import os
 import signal
-import sys
 import threading
 import time
 import traceback
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
@@ -47,7 +49,7 @@ MAX_TOO_LARGE = 5
 # If a check fails, a reply with more bytes than this counts as such an answer. The largest scan
 # needs less than 12 MB, even as a list of rows.
 MAX_REPLY_BYTES = 12 * 2**20
-# Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
+# Pytest plugins that hidden tests do not need.
 _NOT_NEEDED = (
     *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
     *("legacypath", "logging", "pastebin", "recwarn", "reports", "setuponly", "setupplan"),
@@ -55,6 +57,7 @@ _NOT_NEEDED = (
     "unraisableexception",
 )
 _OPTIONS = (
+    "--collect-only",
     "--noconftest",
     "--import-mode=importlib",
     f"--rootdir={os.sep}",
@@ -79,32 +82,39 @@ EXPECTED_FAILURES = (CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 
 
 class _Runner:
-    """A pytest plugin that also runs visible checks, and records the outcome of each check."""
+    """Runs checks one by one, and records the outcome of each."""
 
     def __init__(
         self,
         student: StudentProxy,
-        seed: int,
         selected: Callable[[Check], bool],
         keep_going: bool = True,
         budget: Budget | None = None,
     ) -> None:
-        self.proxy, self.course_seed, self.selected = student, seed, selected
+        self.proxy, self.selected = student, selected
         self.budget = budget or Budget(Limits())
         self.continues, self.keep_going = True, keep_going
-        self.tests = 0
-        self.outcomes: dict[Check, Outcome | None] = {}
+        self.outcomes: dict[Check, Outcome] = {}
         self.too_large: Counter[str] = Counter()
-        self.sandbox_error = self.interrupted = None
-        self.complaints: list[str] = []
+        self.sandbox_error = None
 
     def run_visible(self, check: Check) -> None:
         """Run a visible check."""
+        self._run(check, _call_visible_check, check)
+
+    def run_hidden(self, test: HiddenTest) -> None:
+        """Run a hidden test."""
+        with warnings.catch_warnings():
+            # A wrong answer may cause any warning, which would appear on the instructor's terminal.
+            warnings.simplefilter("ignore")
+            self._run(test.check, test)
+
+    def _run(self, check: Check, call: Callable[..., object], *arguments: object) -> None:
         error = None
         try:
             with self.under_test(check):
-                check.run(getattr(self.proxy, object_to_diagnose(check.exercise)))
-        except Exception as caught:
+                call(self.proxy, *arguments)
+        except (Exception, pytest.fail.Exception, pytest.skip.Exception) as caught:
             error = caught
         self.record(check, error)
 
@@ -152,50 +162,6 @@ class _Runner:
         _release_answers(error)
         self.outcomes[check] = Outcome(check, error)
 
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Keep the selected tests, and record each as not run yet."""
-        self.tests = len(items)
-        items[:] = [item for item in items if self.selected(check_of(item))]
-        self.outcomes |= {check_of(item): None for item in items}
-
-    @pytest.fixture
-    def student(self) -> StudentProxy:
-        """Return the proxy for the student's functions."""
-        return self.proxy
-
-    @pytest.fixture
-    def seed(self, request: pytest.FixtureRequest) -> int:
-        """Return the seed of a lesson's hidden tests, derived from the course's secret."""
-        # Verdicts of earlier releases depend on this text, so it must not change.
-        text = f"{self.course_seed} test_{request.path.parent.name}.py"
-        return int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self, item: pytest.Item) -> object:
-        """Run a hidden test within the limits of `under_test`."""
-        with self.under_test(check_of(item)):
-            return (yield)
-
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_makereport(
-        self, item: pytest.Item, call: pytest.CallInfo
-    ) -> pytest.TestReport:
-        """Record how a test ended; omit the traceback, which would take half of pytest's time."""
-        error = call.excinfo.value if call.excinfo else None
-        if call.when == "call" or error:
-            self.record(check_of(item), error)
-        outcome = "failed" if error else "passed"
-        return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)
-
-    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Record why a test file could not be read."""
-        if report.failed:
-            self.complaints.append(str(report.longrepr))
-
-    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
-        """Record whether the run was interrupted by a person and not by pytest itself."""
-        self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
-
 
 def _release_answers(error: Exception | None) -> None:
     """Remove tracebacks and drawings from an exception and its causes, because they hold answers.
@@ -205,8 +171,6 @@ def _release_answers(error: Exception | None) -> None:
     """
     if error is not None and not isinstance(error, EXPECTED_FAILURES):
         error.add_note("".join(traceback.format_tb(error.__traceback__)))
-    for name in ("last_exc", "last_type", "last_value", "last_traceback"):
-        sys.__dict__.pop(name, None)  # pytest stores the last failure there, for debuggers
     waiting, seen = [error], set()
     while waiting:
         link = waiting.pop()
@@ -228,23 +192,66 @@ class _UntouchedRunner(_Runner):
         raise StudentError(check.exercise, "NotImplementedError")
 
 
-class _Collector(_Runner):
-    """A runner that collects hidden tests, so that they can run later and more than once."""
+@dataclass(frozen=True)
+class HiddenTest:
+    """A hidden test that can run for any student, and more than once.
 
-    def __init__(self, student: StudentProxy, seed: int, selected: Callable[[Check], bool]) -> None:
-        super().__init__(student, seed, selected)
-        self.calls: list[Callable[[], object]] = []
+    Attributes
+    ----------
+    check : utils.checks.Check
+    function : callable
+    arguments : dict of str to object
+        All arguments except the student.
+    takes_student : bool
+    """
 
-    def under_test(self, check: Check) -> contextlib.AbstractContextManager:
-        """Leave the student's proxy as it is, because no student code is called."""
-        return contextlib.nullcontext()
+    check: Check
+    function: Callable[..., object]
+    arguments: dict[str, object]
+    takes_student: bool
 
-    def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
-        """Store a test as a call, and report to pytest that it has run."""
-        names = inspect.signature(pyfuncitem.obj).parameters
-        arguments = {name: pyfuncitem.funcargs[name] for name in names}
-        self.calls.append(functools.partial(pyfuncitem.obj, **arguments))
-        return True
+    def __call__(self, student: StudentProxy) -> None:
+        """Raise an exception for a wrong answer."""
+        others = {"student": student} if self.takes_student else {}
+        self.function(**self.arguments, **others)
+
+
+class _Collector:
+    """A pytest plugin that stores the hidden tests, which pytest only collects."""
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+        self.tests: list[HiddenTest] = []
+        self.complaints: list[str] = []
+        self.interrupted = False
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Store each test with its arguments."""
+        for item in items:
+            arguments = {**item.callspec.params} if hasattr(item, "callspec") else {}
+            names = [name for name in item.fixturenames if name not in arguments]
+            if others := {*names} - {"student", "seed"}:
+                self.complaints.append(
+                    f"{item.name} takes {', '.join(sorted(others))}. A hidden test may take "
+                    "student, seed and the parameters of pytest.mark.parametrize."
+                )
+                continue
+            if "seed" in names:
+                arguments["seed"] = self._seed
+            self.tests.append(HiddenTest(check_of(item), item.obj, arguments, "student" in names))
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Record why a test file could not be read."""
+        if report.failed:
+            self.complaints.append(str(report.longrepr))
+
+    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
+        """Record whether the run was interrupted by a person and not by pytest itself."""
+        self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
+
+
+def _call_visible_check(student: StudentProxy, check: Check) -> None:
+    check.run(getattr(student, object_to_diagnose(check.exercise)))
 
 
 def visible_calls(
@@ -252,9 +259,7 @@ def visible_calls(
 ) -> tuple[Callable[[], object], ...]:
     """Return the visible checks as callables that raise an exception for a wrong answer."""
     return tuple(
-        functools.partial(check.run, getattr(student, object_to_diagnose(check.exercise)))
-        for check in checks
-        if check.is_shown
+        functools.partial(_call_visible_check, student, check) for check in checks if check.is_shown
     )
 
 
@@ -265,9 +270,8 @@ def hidden_calls(
     names = {check.name for check in checks if not check.is_shown}
     if not names:
         return ()
-    collector = _Collector(student, seed, lambda check: check.name in names)
-    _run_hidden_tests(lesson, collector)
-    return tuple(collector.calls)
+    tests = _hidden_tests(lesson.tests, seed)
+    return tuple(functools.partial(test, student) for test in tests if test.check.name in names)
 
 
 def every_check(check: Check) -> bool:
@@ -311,10 +315,8 @@ def run_checks(
     JudgeFault
         If a check could not be run.
     grader.sandbox.SandboxUnavailable
-    KeyboardInterrupt
-        Pytest catches it, so it is raised again here.
     """
-    return _run_all_checks(lesson, _Runner(student, seed, is_selected, keep_going, budget))
+    return _run_all_checks(lesson, seed, _Runner(student, is_selected, keep_going, budget))
 
 
 def exercises_with_notes(
@@ -329,7 +331,7 @@ def exercises_with_notes(
     budget : grader.sandbox.time_budget.Budget
         As in `run_checks`.
     """
-    runner = _Runner(student, 0, every_check, budget=budget)
+    runner = _Runner(student, every_check, budget=budget)
     with cached_run():
         for note in itertools.chain.from_iterable(map(notes_of, exercises)):
             runner.run_visible(note)
@@ -342,36 +344,51 @@ def exercises_with_notes(
 @functools.cache
 def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
     """Return the outcomes of `run_checks` for an untouched notebook, without running it."""
-    return tuple(_run_all_checks(lesson, _UntouchedRunner(None, 0, every_check)))
+    return tuple(_run_all_checks(lesson, 0, _UntouchedRunner(None, every_check)))
 
 
-def _run_all_checks(lesson: Lesson, runner: _Runner) -> list[Outcome]:
+def _run_all_checks(lesson: Lesson, seed: int, runner: _Runner) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # registers the checks
+    hidden_tests = _hidden_tests(lesson.tests, seed)
     with cached_run():
         for exercise in lesson.machine_graded:
             for check in filter(runner.selected, checks_of(exercise.name)):
                 runner.run_visible(check)
-        code = _run_hidden_tests(lesson, runner)
+        for test in hidden_tests:
+            if runner.selected(test.check):
+                runner.run_hidden(test)
     if runner.sandbox_error:
         raise runner.sandbox_error
-    if runner.interrupted:
-        raise KeyboardInterrupt
-    missing = [check.name for check, outcome in runner.outcomes.items() if outcome is None]
-    if not runner.tests or missing:
-        raise JudgeFault(
-            f"pytest ran {runner.tests - len(missing)} of {runner.tests} tests in "
-            f"{lesson.name}/{lesson.tests.name} (exit code {code}). Run pytest on this file to see "
-            "why." + "".join(f"\n{complaints}" for complaints in runner.complaints)
-        )
     return [*runner.outcomes.values()]
 
 
-def _run_hidden_tests(lesson: Lesson, runner: _Runner) -> int:
-    """Run the hidden tests with pytest and return its exit code."""
+@functools.cache
+def _hidden_tests(file: Path, course_seed: int) -> tuple[HiddenTest, ...]:
+    """Return the hidden tests in a file.
+
+    Raises
+    ------
+    JudgeFault
+        If the tests cannot be collected.
+    KeyboardInterrupt
+        Pytest catches it, so it is raised again here.
+    """
+    # Verdicts of earlier releases depend on this text, so it must not change.
+    text = f"{course_seed} test_{file.parent.name}.py"
+    collector = _Collector(int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big"))
     # Without this option, pytest searches all parent folders for configuration.
-    option = f"--confcutdir={lesson.tests.parent}"
+    option = f"--confcutdir={file.parent}"
     with _plain_environment():
-        return int(pytest.main([str(lesson.tests), option, *_OPTIONS], plugins=[runner]))
+        code = int(pytest.main([str(file), option, *_OPTIONS], plugins=[collector]))
+    if collector.interrupted:
+        raise KeyboardInterrupt
+    if collector.complaints or not collector.tests:
+        raise JudgeFault(
+            f"pytest cannot collect the tests in {file.parent.name}/{file.name} "
+            f"(exit code {code}). Run pytest on this file to see why."
+            + "".join(f"\n{complaint}" for complaint in collector.complaints)
+        )
+    return tuple(collector.tests)
 
 
 @contextlib.contextmanager

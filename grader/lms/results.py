@@ -13,6 +13,7 @@ from datetime import datetime, timedelta
 
 from grader.course.deadlines import TermRules
 from grader.course.roster import Person
+from grader.errors import UserError
 from grader.judging.verdict import Verdict
 
 MISSING = "missing"  # the lesson was not submitted
@@ -22,7 +23,7 @@ WAITING = "waiting"  # a person still has to grade a part, or the submission is 
 MARKED = "marked"  # there is a mark, which may be 0
 
 
-class GradebookUnavailable(Exception):
+class GradebookUnavailable(UserError):
     """The gradebook cannot be opened; the message is shown to the user."""
 
 

@@ -10,12 +10,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+from grader.errors import UserError
 from utils.in_sandbox import CALL_SECONDS
 
 MEBIBYTE = 2**20
 
 
-class SandboxUnavailable(Exception):
+class SandboxUnavailable(UserError):
     """The requested sandbox cannot be built on this machine.
 
     Parameters

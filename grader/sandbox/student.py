@@ -147,6 +147,8 @@ class StudentProxy:
     edits : tuple of tuple
         Edits of the exercise `edited`, likeliest first; empty before the start. Each edit consists
         of the cell's number, the first and last line, and the text that replaces these lines.
+    edit_failed : bool
+        Whether the edit since the last call of `edit` could not be applied.
     largest_reply : int
         Bytes of the largest reply. The owner of the proxy may reset it.
     interrupts_after : float or None
@@ -163,6 +165,8 @@ class StudentProxy:
         edited: str = "",
     ) -> None:
         self._edited, self.edits = edited, ()
+        self._new_edit: int | None = None  # an edit that has not been sent yet
+        self.edit_failed = False
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
         # A reply may contain more attributes than requested. They are valid until the next call,
@@ -199,9 +203,12 @@ class StudentProxy:
         self._ensure_running()
 
     def edit(self, number: int) -> None:
-        """Apply one of `edits` to the exercise for all later calls."""
-        self._ensure_running()
-        self._reply_to({"name": self._edited, "edit": number})
+        """Apply one of `edits` to the exercise for all later calls.
+
+        The edit is sent together with the next call, because each message takes as long as a call.
+        `edit_failed` then says whether the edited code could not be run.
+        """
+        self._new_edit, self.edit_failed = number, False
 
     @property
     def starved(self) -> bool:
@@ -282,11 +289,18 @@ class StudentProxy:
             self.exercise,
             f"{name} did not answer within {{seconds:g}} seconds; {ENDLESS_LOOP_HINT}",
             self._limits.call_seconds,
-            {"id": self._calls, "seconds": self.interrupts_after, **request},
+            {
+                "id": self._calls,
+                "seconds": self.interrupts_after,
+                "edit": self._new_edit,
+                **request,
+            },
         )
+        self._new_edit = None
         number = reply.get("id") if isinstance(reply, dict) else None
         if type(number) is not int or number != self._calls:
             self._stop_for_wrong_reply(name)
+        self.edit_failed |= reply.get("edit_failed") is True
         if "error" in reply:
             self._budget.add_failed_seconds(self.exercise, self._last_seconds)
             error = self._student_error(name, reply["error"])

@@ -139,11 +139,10 @@ class Meter:
             threads = self._worker.threads() or {}
             # Exclude the time in which the judge itself worked or waited for a processor.
             elapsed = self.elapsed_seconds - (own_seconds() - self._initial_judge_seconds)
-            share = 1.0 if self._is_asleep(threads) else 0.0
-            if answered and self._measured_seconds:
-                share = (
-                    self._sleep_seconds / self._measured_seconds
-                )  # assume the same share as before
+            if answered and self._measured_seconds:  # assume the same share as before
+                share = self._sleep_seconds / self._measured_seconds
+            else:
+                share = 1.0 if self._is_asleep(threads) else 0.0
             self._sleep_seconds += share * max(0.0, elapsed - self._measured_seconds)
             self._measured_seconds = elapsed
             upper_bound = elapsed - self._delay_seconds(threads)

@@ -11,7 +11,6 @@ import functools
 import os
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 from grader.sandbox.protocol import Thread
 
@@ -86,14 +85,14 @@ def _records_delays() -> bool:
 
 def _read_schedule(folder: str) -> tuple[float, float]:
     """Return the seconds for which a thread has run, and has waited for a processor."""
-    worked, waited, _ = Path(folder, "schedstat").read_text().split()
+    worked, waited, _ = _read_text(f"{folder}/schedstat").split()
     return int(worked) / 1e9, int(waited) / 1e9
 
 
 def available_memory_share() -> float:
     """Return the share of the machine's memory that is available; 1 if unknown."""
     try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
+        lines = _read_text("/proc/meminfo").splitlines()
     except OSError:
         return 1.0
     known = {line.split(":")[0]: line.split()[1] for line in lines}
@@ -103,7 +102,7 @@ def available_memory_share() -> float:
 def oom_kill_count() -> int:
     """Return how many processes the kernel has killed for lack of memory since it booted."""
     try:
-        lines = Path("/proc/vmstat").read_text().splitlines()
+        lines = _read_text("/proc/vmstat").splitlines()
     except OSError:
         return 0
     return next((int(line.split()[1]) for line in lines if line.startswith("oom_kill ")), 0)
@@ -122,7 +121,7 @@ def _read_thread_files(pid: int, name: str) -> Iterator[str]:
     """Yield the content of a /proc file for each thread; skip threads that have ended."""
     for thread in _thread_ids(pid):
         with contextlib.suppress(OSError):
-            yield Path(f"/proc/{pid}/task/{thread}/{name}").read_text()
+            yield _read_text(f"/proc/{pid}/task/{thread}/{name}")
 
 
 def _thread_ids(pid: int) -> list[str]:
@@ -157,4 +156,10 @@ def _cpu_seconds(pid: int) -> float:
 def _stat_fields(path: str) -> list[str]:
     """Return the fields of a /proc `stat` file, starting with the third."""
     # The second field is a name in parentheses, which may contain any bytes.
-    return Path(path).read_text(errors="replace").rpartition(")")[2].split()
+    return _read_text(path).rpartition(")")[2].split()
+
+
+def _read_text(path: str) -> str:
+    # A measurement reads dozens of files, and `Path.read_text` takes twice as long.
+    with open(path, "rb", buffering=0) as file:
+        return file.read().decode(errors="replace")

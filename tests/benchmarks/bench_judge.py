@@ -9,6 +9,10 @@ class, including start-up, sandbox, report and gradebook. ROUNDS is the number o
 The time for a class of 200 in all lessons is extrapolated from a run inside this process, which
 can observe each verdict as it arrives.
 
+A table compares right notebooks of each lesson with notebooks in which one exercise is wrong. A
+wrong notebook takes longer, because the judge looks for a mistake that explains it and for an edit
+that repairs it.
+
 Run the benchmark on an otherwise idle machine. nbgrader uses one hardware thread, and gets a whole
 core while the core's other thread is idle. The judge uses all threads anyway. Other work on
 the machine may therefore slow nbgrader more than the judge.
@@ -35,8 +39,11 @@ from nbgrader.api import Gradebook
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.grade import judge_class
 from grader.classroom.submissions import Submission
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.registration import register_stages
@@ -55,6 +62,7 @@ c.CourseDirectory.release_directory = "notebooks"
 """
 CLASS = 200
 SEED = 1
+WRONG_ANSWERS = 4  # kept answers to each exercise in the table of wrong notebooks
 
 
 @dataclass(frozen=True)
@@ -143,6 +151,46 @@ def seconds_between_verdicts(times):
     """Return the mean seconds between verdicts in the middle half of a run."""
     few, most = len(times) // 4, 3 * len(times) // 4
     return (times[most] - times[few]) / (most - few)
+
+
+def time_mistakes(lesson):
+    """Return the seconds for right notebooks of a lesson, and for those with one wrong exercise."""
+    sandbox = choose_sandbox()
+    exercises = [exercise.name for exercise in lesson.machine_graded]
+    cells = json.loads(lesson.solved.read_text("utf-8"))["cells"]
+    solved = {
+        cell["metadata"].get("nbgrader", {}).get("grade_id"): "".join(cell["source"])
+        for cell in cells
+    }
+    right = {name: solved[name] for name in exercises}
+    wrong = {
+        name: [one.source for one in answers_to(name) if not one.right][:WRONG_ANSWERS]
+        for name in exercises
+    }
+
+    def time_notebook(answers, number):
+        notebook = fill_in(lesson, {name: f"{text}\n# {number}" for name, text in answers.items()})
+        files = SubmittedFiles(f"{lesson.name}.ipynb", notebook.encode())
+        verdict = judge_files(files, SEED, sandbox, lesson)
+        assert (verdict.score == verdict.max_score) == (answers is right), (lesson, answers)
+        return verdict.seconds
+
+    time_notebook(right, "to warm up")
+    right_seconds = [time_notebook(right, number) for number in range(WRONG_ANSWERS)]
+    wrong_seconds = [
+        time_notebook(right | {name: answer}, name)
+        for name, kept in wrong.items()
+        for answer in kept
+    ]
+    return right_seconds, wrong_seconds
+
+
+def print_mistakes(seconds_by_lesson):
+    """Print how much longer wrong notebooks take than right ones."""
+    print("lesson | right (ms) | one exercise wrong (ms): median, most | median / right")
+    for name, (right, wrong) in seconds_by_lesson.items():
+        usual, median, most = 1000 * np.array([np.median(right), np.median(wrong), max(wrong)])
+        print(f"{name} | {usual:.0f} | {median:.0f}, {most:.0f} | {median / usual:.1f}", flush=True)
 
 
 def stages_of(lessons):
@@ -252,6 +300,8 @@ def main(wanted):
             + ", ".join(f"{name} {1000 * s:.0f}" for name, s in ours.further.items()),
             flush=True,
         )
+        mistakes = {lesson.name: time_mistakes(lesson) for lesson in lessons}
+        print_mistakes(mistakes)
         each = sum(ours.further.values()) + ours.entering / STUDENTS
         estimate += ours.judging + ours.entering + (CLASS - STUDENTS) * each
         count += len(lessons)
@@ -264,6 +314,7 @@ def main(wanted):
             "times as fast": ratios.tolist(),
             "seconds per further student": each,
             "seconds per further notebook": ours.further,
+            "seconds for right and for wrong notebooks": mistakes,
         }
     print(f"{CLASS} students x {count} lessons, at this rate: {estimate / 60:.0f} min")
     save_results("judge", record)

@@ -755,19 +755,23 @@ def _is_close(yours: np.ndarray, expected: np.ndarray) -> bool:
 
 def _membership(cloud: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
     """Return a mask of the rows of `cloud` that occur in `rows`; None if `rows` has others."""
-    known = {row.tobytes(): [] for row in _rounded(cloud)}
+    positions = {}
     for position, row in enumerate(_rounded(cloud)):
-        known[row.tobytes()].append(position)
+        positions.setdefault(row, []).append(position)
     mask = np.zeros(len(cloud), dtype=bool)
     for row in _rounded(rows):
-        if row.tobytes() not in known:
+        if row not in positions:
             return None
-        mask[known[row.tobytes()]] = True
+        mask[positions[row]] = True
     return mask
 
 
-def _rounded(rows: np.ndarray) -> np.ndarray:
-    return np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
+def _rounded(rows: np.ndarray) -> list[bytes]:
+    """Return the bytes of each row, rounded to millimetres."""
+    rounded = np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
+    data = rounded.tobytes()
+    size = len(data) // max(1, len(rounded)) or 1
+    return [data[begin : begin + size] for begin in range(0, len(data), size)]
 
 
 def _row_count_text(rows: np.ndarray) -> str:

@@ -1,18 +1,13 @@
 """The export formats for the marks of a class: ``python -m grader export --format NAME``.
 
-To add a format, write a module with a function that turns `ExportOptions` into an `ExportResult`,
-and add it to `EXPORTERS`.
+To add a format, write a module ``NAME`` with a function ``export_NAME`` that turns `ExportOptions`
+into an `ExportResult`, and add it to `EXPORTERS`.
 """
 
-from collections.abc import Callable
+import importlib
 from dataclasses import dataclass
 
-from grader.lms.exporters.canvas import export_canvas
-from grader.lms.exporters.exercises_csv import export_exercises_csv
-from grader.lms.exporters.gradescope import export_gradescope
-from grader.lms.exporters.moodle import export_moodle
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
-from grader.lms.exporters.scores_csv import export_scores_csv
 
 __all__ = ["EXPORTERS", "ExportError", "ExportResult", "Exporter", "ExportOptions"]
 
@@ -23,8 +18,8 @@ class Exporter:
 
     Attributes
     ----------
-    write : callable
-        Accepts `ExportOptions`, returns an `ExportResult`, and raises `ExportError`.
+    module : str
+        Name of the module in this folder.
     ending : str
         Ending of the file's name.
     fills : str
@@ -33,23 +28,34 @@ class Exporter:
         Instructions for uploading the file.
     """
 
-    write: Callable[[ExportOptions], ExportResult]
+    module: str
     ending: str
     fills: str = ""
     next_step: str = ""
 
+    def write(self, options: ExportOptions) -> ExportResult:
+        """Export the marks of a class.
+
+        Raises
+        ------
+        ExportError
+        """
+        # Every command reads the table of formats, but only `export` needs their modules.
+        module = importlib.import_module(f"{__name__}.{self.module}")
+        return getattr(module, f"export_{self.module}")(options)
+
 
 EXPORTERS = {
-    "csv": Exporter(export_scores_csv, ".csv"),
-    "exercises": Exporter(export_exercises_csv, ".exercises.csv"),
+    "csv": Exporter("scores_csv", ".csv"),
+    "exercises": Exporter("exercises_csv", ".exercises.csv"),
     "canvas": Exporter(
-        export_canvas,
+        "canvas",
         ".canvas.csv",
         "the gradebook that Canvas exports",
         "In Canvas: Grades, Import. Canvas shows each change before you save.",
     ),
     "moodle": Exporter(
-        export_moodle,
+        "moodle",
         ".moodle.csv",
         "the offline grading worksheet of the assignment in Moodle",
         "In Moodle: the assignment's Submissions, Actions, Upload grading worksheet. Moodle lists "
@@ -57,7 +63,7 @@ EXPORTERS = {
         "it was changed in Moodle after the download.",
     ),
     "gradescope": Exporter(
-        export_gradescope,
+        "gradescope",
         ".gradescope.zip",
         next_step="In Gradescope: Configure Autograder, upload the zip, then Regrade All "
         "Submissions.",

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from grader.course.paths import Course
-from grader.course.roster import Person
-from grader.lms.results import ClassResults
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from grader.course.paths import Course
+    from grader.course.roster import Person
+    from grader.lms.results import ClassResults
 
 
 class ExportError(Exception):

@@ -1,0 +1,5 @@
+"""The base class of errors that the command line shows without a traceback."""
+
+
+class UserError(Exception):
+    """A problem that the user can solve; `str()` is the sentence to show."""
