@@ -123,7 +123,7 @@ def test_only_the_heads_of_distant_people_in_plain_view_are_above_the_ground_lev
             lower.append(-1.73 - box.corners[:, 2].min())
     assert len(upper) == 6
     assert min(upper) > 0.19 and max(upper) < 0.6
-    assert min(lower) > 0.5 and max(lower) < 1.2
+    assert min(lower) > 0.7 and max(lower) < 1.2
 
 
 def test_each_minimum_removes_a_third_of_the_people_within_its_distance(lesson_run):
