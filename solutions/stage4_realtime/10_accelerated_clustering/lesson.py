@@ -588,7 +588,7 @@ print("different pieces:", names, "  first seen in row:", start, "  piece of eac
 print("ranks of", start, "are", np.argsort(np.argsort(start)), "   labels should be [1 2 1 3]")
 
 # %% [markdown]
-# Piece 7 is first seen in row 0, so it has rank 0. Piece 3 is next, and piece 5 is last. The label of a piece is its rank plus 1.
+# Piece 7 is first seen in row 0, so it has rank 0. Piece 3 is next, and piece 5 is last. The first `argsort` lists the pieces in this order, and the second finds the place of each piece in the list. The label of a piece is its rank plus 1.
 
 # %% nbgrader={"grade": false, "grade_id": "euclidean_clustering_accelerated", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
