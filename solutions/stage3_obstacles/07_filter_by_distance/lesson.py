@@ -484,8 +484,8 @@ def remove_like_a_colleague(cloud, minimum, maximum):
     return cloud[outside.all(axis=1)]
 
 # %%
-kept_ahead = predict("The colleague's version removes the ego car. What happens to the car ahead of us?",
-                     choices=["it stays", "it is removed"])
+kept_ahead = predict("The colleague's version removes the ego car. What happens to the car "
+                     "ahead of us?", choices=["it stays", "it is removed"])
 
 # %% tags=["folded"]
 # @title Draw what the colleague's version keeps (you need not read this)
@@ -520,7 +520,8 @@ def remove_ego_returns(cloud, minimum, maximum):
     ndarray, shape (m, 3) or (m, 4)
         The rows neither inside the box nor on its faces, with all columns and in the same order.
     """
-    # Keep each row that is outside on at least one axis, or each row that is not inside on all.
+    # 1. Make a mask with one value for each row: True if the point is not inside the box.
+    # 2. Index the cloud with it.
     # roughly 2 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
