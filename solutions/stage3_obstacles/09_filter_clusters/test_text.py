@@ -106,11 +106,11 @@ def test_the_theory_applies_to_pedestrians_in_plain_view(lesson_run):
 def test_only_the_heads_of_distant_people_in_plain_view_are_above_the_ground_level(lesson_run):
     far = (lesson_run.kind == "pedestrian") & lesson_run.in_view & (lesson_run.distance > 25)
     ratios = lesson_run.size[far] / lesson_run.theory(lesson_run.distance[far])
-    assert np.median(ratios) < 0.3 and far.sum() == 6
-    upper, lower = [], []  # metres above the ground level, and of the street below the car's
+    assert np.median(ratios) < 0.3 and ratios.max() < 0.8 and far.sum() == 6
+    upper, lower, near = [], [], []  # metres above the ground level, and of the street below ours
     for frame in lesson_run.frames:
         labels, kinds, distances = lesson_run.clusters_of(frame)
-        shown = (kinds == "pedestrian") & lesson_run.plain_view(frame) & (distances > 25)
+        shown = (kinds == "pedestrian") & lesson_run.plain_view(frame)
         boxes = {box.identity: box for box in frame.boxes}
         use = frame.cloud[:, 2] >= -1.2
         use &= ~np.isin(
@@ -119,11 +119,18 @@ def test_only_the_heads_of_distant_people_in_plain_view_are_above_the_ground_lev
         for row in np.flatnonzero(shown):
             number = frame.scan.objects[use][np.flatnonzero(labels == row + 1)[0]]
             box = boxes[number]
-            upper.append(box.corners[:, 2].max() + 1.2)
-            lower.append(-1.73 - box.corners[:, 2].min())
+            height = box.corners[:, 2].max() + 1.2
+            if distances[row] < 25:
+                near.append(height)
+            else:
+                upper.append(height)
+                lower.append(-1.73 - box.corners[:, 2].min())
     assert len(upper) == 6
     assert min(upper) > 0.19 and max(upper) < 0.6
     assert min(lower) > 0.7 and max(lower) < 1.2
+    assert np.median(near) == pytest.approx(1.2, abs=0.05)
+    # The smaller area explains the number of points.
+    assert np.mean(ratios) == pytest.approx(np.mean(upper) / np.median(near), rel=0.3)
 
 
 def test_each_minimum_removes_a_third_of_the_people_within_its_distance(lesson_run):
