@@ -981,7 +981,7 @@ for (x, y, _, height), near, gap in zip(q, p[nearest], gaps):
     ends = np.array([place(x, y, height), place(near[0], near[1], near[3])])
     axes.plot(*ends.T, "-" if gap < np.sqrt(3) else ":", color="#D55E00", linewidth=2)
     left = ends[0, 0] < ends[1, 0]
-    axes.annotate(f"{gap:.2f} m", ends.mean(axis=0), (-8 if left else 8, 6), color="#D55E00",
+    axes.annotate(f"{gap:.2f} m", ends.mean(axis=0), (-4 if left else 2, 6), color="#D55E00",
                   textcoords="offset points", ha="right" if left else "left")
 for rows, style, name in ((p, "o", "at home, in p"), (q, "s", "on a visit, in q")):
     axes.plot(*place(rows[:, 0], rows[:, 1], rows[:, 3]), style, color="black", markersize=7,
