@@ -673,3 +673,35 @@ def test_a_ring_is_round_even_if_the_axes_have_different_scales():
     width, height = axes.patches[-1].get_window_extent().size
     assert width == pytest.approx(height, rel=0.25)
     assert "here" in texts(axes)
+
+
+def tops_of_titles(axes):
+    axes[0].figure.canvas.draw()
+    return [panel._left_title.get_window_extent().y0 for panel in axes]
+
+
+def test_titles_in_a_row_of_panels_are_level():
+    lines = {f"a long name for line {number}": ([0, 1], [0, number]) for number in range(5)}
+    for first, second in ((lines, {"short": ([0, 1], [0, 1])}), ({"short": ([0], [1])}, lines)):
+        _, pair = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
+        plots.curves(first, title="left", axes=pair[0])
+        plots.curves(second, title="right", axes=pair[1])
+        left, right = tops_of_titles(pair)
+        assert left == pytest.approx(right, abs=1)
+        assert left > pair[0].get_legend().get_window_extent().y1
+        assert left > pair[1].get_legend().get_window_extent().y1
+    # Panels with equal scales have different heights here, but their top edges are level.
+    _, pair = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
+    plots.from_above(BOX, limits=(0, 20, 0, 10), title="wide", axes=pair[0])
+    plots.from_above(BOX, limits=(0, 10, 0, 10), title="square", axes=pair[1])
+    wide, square = tops_of_titles(pair)
+    assert wide == pytest.approx(square, abs=1)
+    # Another row, and a panel whose legend was removed, keep their distance.
+    _, grid = plt.subplots(2, 2, layout="compressed")
+    for axes in grid[0]:
+        plots.curves({"short": ([0], [1])}, title="no legend", axes=axes)
+        axes.get_legend().remove()
+        axes.set_title("no legend", loc="left", pad=6)
+    before = [panel.titleOffsetTrans.transform((0, 0))[1] for panel in grid[0]]
+    plots.curves(lines, title="other row", axes=grid[1, 0])
+    assert [panel.titleOffsetTrans.transform((0, 0))[1] for panel in grid[0]] == before

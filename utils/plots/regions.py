@@ -25,6 +25,7 @@ from utils.plots.style import (
     INK,
     ORANGE,
     PALE,
+    TITLE,
     VERMILION,
     canvas,
     counted,
@@ -46,7 +47,6 @@ REGION_STYLES = {
     PRUNED: {"facecolor": GRID, "edgecolor": PALE, "hatch": "//"},
     NOT_YET: {"facecolor": "none", "edgecolor": PALE, "hatch": ".."},
 }
-TITLE = {"color": INK, "fontsize": 12, "fontweight": "bold"}
 
 
 class _Cell(NamedTuple):

@@ -36,6 +36,7 @@ PAPER, INK, MUTED, PALE, GRID = "#FFFFFF", "#1B1F24", "#57606A", "#A8B0B8", "#E7
 COLOURS = ListedColormap(matplotlib.colormaps["plasma"](np.linspace(0, 0.8, 32)))
 COLOURS = COLOURS.with_extremes(bad=PALE)
 
+TITLE = {"color": INK, "fontsize": 12, "fontweight": "bold"}
 WIDTH, HEIGHT = 8.5, 4.8  # inches; WIDTH fits the output of a notebook
 MAX_POINTS_WITH_OUTLIERS = 5_000  # points; in larger clouds, `frame` may cut off outliers
 
@@ -158,7 +159,8 @@ def frame(
         Use the same scale in both directions. If false, no heights are cut off.
     """
     if equal:
-        axes.set_aspect("equal", adjustable="box")
+        # The top edges of panels in a row are then at the same height, like their titles.
+        axes.set_aspect("equal", adjustable="box", anchor="N")
     if limits is not None:
         spans = spans_from_limits(limits)
     elif axes.has_data():
@@ -250,8 +252,32 @@ def finish(
             columnspacing=1.2,
         )
     title = axes.get_title(loc="left") if title is None else title
-    axes.set_title(title, loc="left", color=INK, fontsize=12, fontweight="bold", pad=7 + 17 * rows)
+    axes.set_title(title, loc="left", pad=7 + 17 * rows, **TITLE)
+    _level_titles(axes)
     return axes
+
+
+def _level_titles(axes: Axes) -> None:
+    """Raise the titles of all panels in the row of `axes` to the highest one.
+
+    A legend with several rows raises the title of its panel, but not those of the other panels. A
+    panel whose legend was removed stays as it is, because its title may already have been lowered.
+    """
+    place = axes.get_subplotspec()
+    if place is None:
+        return
+    pads = {}  # points between each panel and its title
+    for panel in axes.figure.axes:
+        spec = panel.get_subplotspec()
+        in_row = spec and spec.get_gridspec() is place.get_gridspec()
+        in_row = in_row and spec.rowspan == place.rowspan and panel.get_title(loc="left")
+        if in_row and (panel.get_legend() or not panel.get_legend_handles_labels()[1]):
+            pads[panel] = panel.titleOffsetTrans.transform((0, 0))[1] * 72 / panel.figure.dpi
+    for panel, pad in pads.items():
+        if pad < max(pads.values()) - 0.5:
+            panel.set_title(
+                panel.get_title(loc="left"), loc="left", pad=max(pads.values()), **TITLE
+            )
 
 
 def number(value: float) -> str:

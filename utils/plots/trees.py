@@ -22,6 +22,7 @@ from utils.plots.style import (
     MUTED,
     PALE,
     PAPER,
+    TITLE,
     VERMILION,
     canvas,
     finish,
@@ -111,8 +112,7 @@ def kd_tree(
     finish(axes, title, None, "depth")
     if not legend and axes.get_legend():
         axes.get_legend().remove()
-        style = {"color": INK, "fontsize": 12, "fontweight": "bold"}
-        axes.set_title(axes.get_title(loc="left"), loc="left", pad=7, **style)
+        axes.set_title(axes.get_title(loc="left"), loc="left", pad=7, **TITLE)
     return axes
 
 

@@ -20,7 +20,7 @@
 # - say how often RANSAC fails, and how many rounds it needs,
 # - name what real systems add to RANSAC.
 #
-# **You write** `line_through` (points), `point_line_distance` (points) and `ransac_line` (points). **Time:** (time), in two sittings of 80 and 30 minutes. **You need** Python and arrays, but not lesson 01.
+# **You write** `line_through` (points), `point_line_distance` (points) and `ransac_line` (points). **Time:** (time), in three sittings of 40, 40 and 30 minutes. **You need** Python and arrays, but not lesson 01.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -285,6 +285,9 @@ for point, distance in zip(some, point_line_distance(some, line)):
 check(point_line_distance)
 
 # %% [markdown]
+# **A good place to stop.** You can compute a line and measure distances from it. Save the notebook. The second sitting takes 40 minutes. When you come back, first run all the cells above this one.
+
+# %% [markdown]
 # ## The idea: two points make a line, and all points vote
 #
 # *The right line has many points near it, and a wrong line has only a few.*
@@ -480,7 +483,7 @@ def two_lines(eleven):
 drag_points(two_lines, np.vstack([points[:10], (4, -5)]), movable=[10], limits=window)
 
 # %% [markdown]
-# **A good place to stop.** Your RANSAC works. Save the notebook. The second sitting takes 30 minutes. When you come back, first run all the cells above this one.
+# **A good place to stop.** Your RANSAC works. Save the notebook. The third sitting takes 30 minutes. When you come back, first run all the cells above this one.
 
 # %% [markdown]
 # ## Play: rounds and threshold

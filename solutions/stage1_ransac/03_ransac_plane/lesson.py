@@ -20,7 +20,7 @@
 # - find the ground among cars, walls and people with RANSAC, and notice when it has found a wall instead,
 # - refine a plane, distinguish scatter from bias, and say how many rounds RANSAC needs.
 #
-# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). You may use any package listed at the end of this notebook. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in two sittings of about 70 and 60 minutes.
+# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). You may use any package listed at the end of this notebook. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in three sittings of about 40, 40 and 55 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -271,7 +271,12 @@ plots.from_side(street, values=distances, label="distance from the plane (m)",
 check(point_plane_distance)
 
 # %% [markdown]
+# **A good place to stop.** You have both tools. Save the notebook. In the second sitting, you use them to find the ground.
+
+# %% [markdown]
 # ## RANSAC: try planes through random points
+#
+# **The second sitting begins here.** If you have closed the notebook, first run all the cells above. In JupyterLab, choose *Run*, *Run All Above Selected Cell*. In Colab, choose *Runtime*, *Run before*.
 #
 # *A plane through three ground points is usually near most of the ground. Other planes are near only a few points.*
 #
@@ -410,12 +415,7 @@ check(ransac_plane)
 replay(ransac_plane)
 
 # %% [markdown]
-# **A good place to stop.** Your `ransac_plane` finds the ground. Save the notebook. In the second sitting, you see how the search can fail, improve its plane, and compute how many rounds you need.
-
-# %% [markdown]
 # ## The threshold: how thick is the ground?
-#
-# **The second sitting begins here.** Remember that `ransac_plane` returns the largest plane and the mask of the points near it. If you have closed the notebook, first run all the cells above. In JupyterLab, choose *Run*, *Run All Above Selected Cell*. In Colab, choose *Runtime*, *Run before*.
 #
 # *A thin band misses some of the ground. A thick band also removes wheels, feet and large parts of cars.*
 
@@ -487,7 +487,12 @@ plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -
 # - remove the largest plane and search the remaining points, until you find the ground.
 
 # %% [markdown]
+# **A good place to stop.** Your `ransac_plane` finds the ground, and you know how the search can fail. Save the notebook. In the third sitting, you improve the plane and compute how many rounds you need.
+
+# %% [markdown]
 # ## Refit the plane to all inliers
+#
+# **The third sitting begins here.** Remember that `ransac_plane` returns the largest plane and the mask of the points near it. If you have closed the notebook, first run all the cells above.
 #
 # *Three points are enough to find the ground, but thousands describe it better.*
 #

@@ -21,7 +21,7 @@
 # - explain what the threshold does, and why no threshold is right everywhere,
 # - predict from measurements how long an algorithm will take on a full scan.
 #
-# **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but you do not need its code. **Time:** (time).
+# **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but you do not need its code. **Time:** (time), in two sittings of 55 and 30 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -349,7 +349,11 @@ plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches two walls");
 
 # %% [markdown]
 # A single stray point in a gap is a bridge. Two people who walk side by side are also one cluster, because they are less than half a metre apart.
-#
+
+# %% [markdown]
+# **A good place to stop.** Your clustering works. Save the notebook. The second sitting takes 30 minutes. When you come back, first run all the cells above this one.
+
+# %% [markdown]
 # ## Play: how close is close?
 #
 # In this smaller part of the street, two pedestrians walk at the lower left. At the top, a car is turning next to a cyclist.

@@ -57,7 +57,7 @@ within_10 = predict("What share of all returns is within 10 m of the sensor?",
 # Why do we not use the straight-line distance, `np.linalg.norm(cloud[:, :3], axis=1)`? Think of a lorry in a yard. It carries its sensor 3.4 m above the ground, and brakes for everything within 6 m. A child is 5.7 m in front of the sensor. Here is the yard from the side, to scale.
 
 # %% tags=["folded"]
-# @title Scans the yard of a lorry (you need not read this)
+# @title Scan the yard of a lorry (you need not read this)
 from utils.ground import Ground
 from utils.simulator import Sensor, World, layers, scan
 from utils.streets import numbered, placed
@@ -475,11 +475,34 @@ axes.text(-0.05, -2.3, "a child here?", ha="right", va="center");
 #
 # ## Exercise 3 · `remove_ego_returns` (points)
 #
-# Keep the rows that `crop_region` removes. A point on a face counts as inside. You have already written the mask, so one or two lines are enough. What is the opposite of "inside in x and y and z"?
+# A colleague has already written this function. It should remove the points inside a box and keep all others, but it has a mistake.
 
 # %%
-kept_ahead = predict("A function keeps only points that are outside in x AND in y AND in z. "
-                     "What happens to the car ahead of us?", choices=["it stays", "it is removed"])
+def remove_like_a_colleague(cloud, minimum, maximum):
+    """Remove the points inside a box. (This version is wrong.)"""
+    outside = (cloud[:, :3] < minimum) | (cloud[:, :3] > maximum)  # one column for each axis
+    return cloud[outside.all(axis=1)]
+
+# %%
+kept_ahead = predict("The colleague's version removes the ego car. What happens to the car "
+                     "ahead of us?", choices=["it stays", "it is removed"])
+
+# %% tags=["folded"]
+# @title Draw what the colleague's version keeps (you need not read this)
+is_vehicle = upright & np.isin(truth["classes"], [names.index(kind) for kind in ("car", "truck")])
+rows = np.column_stack([cloud[is_vehicle, :3], np.flatnonzero(is_vehicle)])  # numbers, not intensity
+left_over = remove_like_a_colleague(rows, *ego_box)[:, 3].astype(int)
+axes = plots.kept_and_removed(cloud[is_vehicle], np.isin(np.flatnonzero(is_vehicle), left_over),
+                              limits=((-14, 26), (-8, 10)),
+                              title="The colleague's version: what is left of cars and lorries")
+outline(axes, *ego_box)
+plots.ring(axes, 20.6, 0, radius=2, text="ahead of us")
+kept_ahead.compare("it stays" if (truth["objects"][left_over] == 11).any() else "it is removed",
+                   "The car is outside in x but inside in y, because it drives in our lane. The "
+                   "function keeps only points that are outside in x AND in y AND in z.")
+
+# %% [markdown]
+# The colleague's version also removes all points at the height of the box, so each car within 25 m loses more than half of its points. Find the mistake, and write the function without it. You may also use your mask from `crop_region`. A point on a face counts as inside.
 
 # %% nbgrader={"grade": false, "grade_id": "remove_ego_returns", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def remove_ego_returns(cloud, minimum, maximum):
@@ -497,8 +520,8 @@ def remove_ego_returns(cloud, minimum, maximum):
     ndarray, shape (m, 3) or (m, 4)
         The rows neither inside the box nor on its faces, with all columns and in the same order.
     """
-    # 1. Find the rows inside the box with the mask of crop_region.
-    # 2. Keep the others. ~ turns every True in a mask into False, and every False into True.
+    # 1. Make a mask with one value for each row: True if the point is not inside the box.
+    # 2. Index the cloud with it.
     # roughly 2 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
@@ -509,15 +532,15 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `crop_region` already contains the mask of the rows inside. Which rows do you want now?
+# When is a point not inside the box? It is enough if one of its coordinates is outside.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Invert the mask at the very end, when it has one value per row: `~inside`. If you reverse each comparison instead, you need `.any(axis=1)` in place of `.all(axis=1)`.
+# Which word in the colleague's last line demands that all three coordinates are outside? Or start from your mask in `crop_region`. `~` turns every True in a mask into False, and every False into True.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Copy the line with `inside = ...`, and return `cloud[~inside]`.
+# Write `.any(axis=1)` instead of `.all(axis=1)`. Or copy the line with `inside = ...` from `crop_region`, and return `cloud[~inside]`.
 # </details>
 #
 # **Five points first.** The first is the left mirror. Each of the others is inside on two axes, but not on all three: a car ahead, a car behind, a wall on the left, and a child on the right. Only the first row should be removed.
@@ -537,13 +560,7 @@ remove_ego_returns(five, *ego_box)
 free = remove_ego_returns(close, *ego_box)
 axes = plots.from_above(free, limits=close_up,
                         title=f"{len(close) - len(free)} returns of the ego car removed")
-outline(axes, *ego_box)
-
-outside = (cloud[:, :3] < ego_box[0]) | (cloud[:, :3] > ego_box[1])  # column by column
-is_ahead = truth["objects"] == 11
-kept_ahead.compare("it stays" if outside.all(axis=1)[is_ahead].any() else "it is removed",
-                   "The car is outside in x but inside in y, because it drives in our lane. A "
-                   "point that is not inside the box is outside in x OR in y OR in z.")
+outline(axes, *ego_box);
 
 # %% nbgrader={"grade": true, "grade_id": "test_remove_ego_returns", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(remove_ego_returns)

@@ -206,11 +206,25 @@ def test_the_ego_car_and_invalid_returns_are_nearest():
     assert np.hypot(rest[:, 0], rest[:, 1]).min() > 3
 
 
-def test_keeping_only_points_outside_on_all_axes_loses_the_car_ahead():
+def test_the_colleague_loses_the_car_ahead_and_half_of_every_near_car():
+    given = run_statements_for("07_filter_by_distance", "remove_like_a_colleague")
+    colleague = given["remove_like_a_colleague"]
+    cars = UPRIGHT & of_kind("car")
+    rows = np.column_stack([CLOUD[cars, :3], TRUTH["objects"][cars]])
+    left = colleague(rows, *EGO_BOX)
+    assert len(remove_ego_returns(rows, *EGO_BOX)) == len(rows)
+    assert not (left[:, 3] == 11).any(), "the car ahead is gone"
+    assert not ((left[:, 2] >= -1.0) & (left[:, 2] <= -0.4)).any(), "all points at this height"
+    is_near = np.hypot(rows[:, 0], rows[:, 1]) < 25
+    near = np.unique(rows[is_near, 3])
+    assert len(near) == 10
+    for number in near:
+        kept = (left[:, 3] == number).sum() / (rows[:, 3] == number).sum()
+        assert kept < 0.5, "each car within 25 m loses more than half of its points"
+    assert len(colleague(CLOUD[of_kind("ego")], *EGO_BOX)) == 0, "the ego car is removed"
+    # Changing one word makes it right.
     outside = (CLOUD[:, :3] < EGO_BOX[0]) | (CLOUD[:, :3] > EGO_BOX[1])
-    ahead = TRUTH["objects"] == 11
-    assert not outside.all(axis=1)[ahead].any()
-    assert outside.any(axis=1)[ahead].all()
+    assert np.array_equal(CLOUD[outside.any(axis=1)], remove_ego_returns(CLOUD, *EGO_BOX))
 
 
 def test_common_mistakes_look_as_described():

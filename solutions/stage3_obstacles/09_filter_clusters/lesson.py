@@ -364,6 +364,8 @@ reach_of_100.compare(np.sqrt(theory(1.0) / 100), "There, the line crosses the do
 # %% [markdown]
 # Up to 25 m, people in plain view are close to the line. But most people are partly hidden by something closer, and often have less than half as many points. So the line shows about how many points a person has *at best*. On logarithmic axes, $1/r^2$ is a straight line with slope $-2$.
 #
+# Beyond 25 m, even people in plain view are below the line, most of them far below. All six of them are where the street is about a metre lower than here. Only the upper 20 to 60 cm of them are above our ground level, instead of about 1.2 m of a person nearby. So the visible area $A$ is much smaller than $0.4\ \mathrm{m}^2$.
+#
 # A person beyond the crossing of the two lines has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far must a car see? As in lesson 07, a car drives on for half a second while it thinks, and then brakes at 7 m/s². We measure from the scanner, and the bumper is 2.6 m ahead of it.
 
 # %%

@@ -22,7 +22,19 @@ DRAWN = ("cluster_labels", "left_over", "thin")
 @pytest.fixture(scope="module")
 def lesson_run():
     """Functions and variables of the lesson, as attributes. The simulation takes a second."""
-    return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
+    return load_reference(
+        NAME,
+        *NAMES,
+        *DRAWN,
+        "in_view",
+        "kind",
+        "distance",
+        "size",
+        "frames",
+        "clusters_of",
+        "plain_view",
+        "names",
+    )
 
 
 @pytest.mark.slow
@@ -89,6 +101,36 @@ def test_the_theory_applies_to_pedestrians_in_plain_view(lesson_run):
     free, hidden = times[person & lesson_run.in_view], times[person & ~lesson_run.in_view]
     assert np.median(free) == pytest.approx(1, abs=0.1) and np.quantile(free, 0.9) < 1.5
     assert len(free) < len(hidden) / 4 and np.median(hidden) < 0.5
+
+
+def test_only_the_heads_of_distant_people_in_plain_view_are_above_the_ground_level(lesson_run):
+    far = (lesson_run.kind == "pedestrian") & lesson_run.in_view & (lesson_run.distance > 25)
+    ratios = lesson_run.size[far] / lesson_run.theory(lesson_run.distance[far])
+    assert np.median(ratios) < 0.3 and ratios.max() < 0.8 and far.sum() == 6
+    upper, lower, near = [], [], []  # metres above the ground level, and of the street below ours
+    for frame in lesson_run.frames:
+        labels, kinds, distances = lesson_run.clusters_of(frame)
+        shown = (kinds == "pedestrian") & lesson_run.plain_view(frame)
+        boxes = {box.identity: box for box in frame.boxes}
+        use = frame.cloud[:, 2] >= -1.2
+        use &= ~np.isin(
+            frame.scan.classes, [lesson_run.names.index(kind) for kind in ("invalid", "ego")]
+        )
+        for row in np.flatnonzero(shown):
+            number = frame.scan.objects[use][np.flatnonzero(labels == row + 1)[0]]
+            box = boxes[number]
+            height = box.corners[:, 2].max() + 1.2
+            if distances[row] < 25:
+                near.append(height)
+            else:
+                upper.append(height)
+                lower.append(-1.73 - box.corners[:, 2].min())
+    assert len(upper) == 6
+    assert min(upper) > 0.19 and max(upper) < 0.6
+    assert min(lower) > 0.7 and max(lower) < 1.2
+    assert np.median(near) == pytest.approx(1.2, abs=0.05)
+    # The smaller area explains the number of points.
+    assert np.mean(ratios) == pytest.approx(np.mean(upper) / np.median(near), rel=0.3)
 
 
 def test_each_minimum_removes_a_third_of_the_people_within_its_distance(lesson_run):

@@ -588,7 +588,7 @@ print("different pieces:", names, "  first seen in row:", start, "  piece of eac
 print("ranks of", start, "are", np.argsort(np.argsort(start)), "   labels should be [1 2 1 3]")
 
 # %% [markdown]
-# Piece 7 is first seen in row 0, so it has rank 0. Piece 3 is next, and piece 5 is last. The label of a piece is its rank plus 1.
+# Piece 7 is first seen in row 0, so it has rank 0. Piece 3 is next, and piece 5 is last. The first `argsort` lists the pieces in this order, and the second finds the place of each piece in the list. The label of a piece is its rank plus 1.
 
 # %% nbgrader={"grade": false, "grade_id": "euclidean_clustering_accelerated", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
@@ -981,7 +981,7 @@ for (x, y, _, height), near, gap in zip(q, p[nearest], gaps):
     ends = np.array([place(x, y, height), place(near[0], near[1], near[3])])
     axes.plot(*ends.T, "-" if gap < np.sqrt(3) else ":", color="#D55E00", linewidth=2)
     left = ends[0, 0] < ends[1, 0]
-    axes.annotate(f"{gap:.2f} m", ends.mean(axis=0), (-8 if left else 8, 2), color="#D55E00",
+    axes.annotate(f"{gap:.2f} m", ends.mean(axis=0), (-4 if left else 2, 6), color="#D55E00",
                   textcoords="offset points", ha="right" if left else "left")
 for rows, style, name in ((p, "o", "at home, in p"), (q, "s", "on a visit, in q")):
     axes.plot(*place(rows[:, 0], rows[:, 1], rows[:, 3]), style, color="black", markersize=7,

@@ -360,6 +360,14 @@ def test_the_solution_is_as_long_as_promised():
         assert abs(len(lines) - promised) <= 1, name
 
 
+def test_the_first_argsort_lists_pieces_and_the_second_finds_their_places():
+    pieces = np.array([7, 3, 7, 5])
+    names, start = np.unique(pieces, return_index=True)
+    in_order = np.argsort(start)
+    assert names[in_order].tolist() == list(dict.fromkeys(pieces.tolist()))
+    assert np.argsort(in_order).tolist() == [in_order.tolist().index(row) for row in range(3)]
+
+
 def test_the_two_sittings_take_as_long_as_stated():
     text = find_lesson(NAME).source.read_text("utf-8")
     stated = re.search(r"two sittings of (\d+) and (\d+) minutes", text).groups()

@@ -138,7 +138,7 @@ heading.compare(np.degrees(true_yaw) % 180,
 #
 # *Order, sign and handedness are conventions, and libraries do not agree on them.*
 #
-# `np.linalg.eigh` finds the eigenvectors of a symmetric matrix. `np.linalg.svd` takes the centred points and does not need the covariance matrix. Its singular values are the square roots of $n$ times the variances. The next cell uses both, for the height and arm span of four people.
+# `np.linalg.eigh` finds the eigenvectors of a symmetric matrix. `np.linalg.svd` takes the centred points and does not need the covariance matrix. The square of each singular value is $n$ times a variance. The next cell uses both, for the height and arm span of four people.
 
 # %%
 people = np.array([[1.60, 1.58], [1.71, 1.74], [1.80, 1.79], [1.93, 1.97]])
@@ -460,6 +460,8 @@ plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)
 # Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from the true angle by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
 #
 # The curve of car 10 has a wide minimum. The diamond is not at the square, because much of the car is hidden. What about all nine vehicles?
+#
+# `floor_area_at` returns ninety areas for ninety angles. How do you find the angle of the smallest area? Write the expression down before you read the next cell. You need it in Exercise 2.
 
 # %%
 angles = np.radians(np.arange(90))

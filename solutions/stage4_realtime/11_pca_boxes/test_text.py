@@ -104,6 +104,13 @@ def test_a_fitted_line_is_too_flat_for_steep_cars():
         assert least < np.degrees(np.arctan(np.polyfit(x, y, 1)[0])) < most
 
 
+def test_squares_of_singular_values_are_n_times_the_variances():
+    people = np.array([[1.60, 1.58], [1.71, 1.74], [1.80, 1.79], [1.93, 1.97]])
+    singular = np.linalg.svd(people - people.mean(axis=0), compute_uv=False)
+    variances = np.linalg.eigvalsh(np.cov(people, rowvar=False, bias=True))[::-1]
+    assert singular**2 == pytest.approx(len(people) * variances)
+
+
 def test_first_axes_lean_and_smallest_rectangles_do_not(street):
     lean, left = errors(street, axis_yaw), errors(street, rectangle_yaw)
     assert {label for label, degrees in lean.items() if degrees > 13} == {1, 2, 3, 4, 6, 9, 10}
