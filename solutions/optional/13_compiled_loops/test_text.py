@@ -25,6 +25,7 @@ FUNCTIONS = (
     "any_close",
     "ascending",
     "cluster_compiled",
+    "cluster_in_parallel",
     "count_near",
     "detect_compiled",
     "root_of",
@@ -142,6 +143,37 @@ def test_the_clusters_of_the_street_are_exact(python_functions):
     assert np.array_equal(python_functions.cluster_compiled(cloud, 0.9), renumber_in_order(truth))
 
 
+def test_a_run_has_four_points_on_average():
+    cells = np.floor(load_cloud("cloud.txt")[:, :3] / (0.5 / np.sqrt(3)))
+    runs = 1 + np.count_nonzero(np.diff(cells, axis=0).any(axis=1))
+    assert "has four points on average" in TEXT and round(len(cells) / runs) == 4
+
+
+@pytest.mark.parametrize(
+    ("threads", "size"),
+    [(2, (60, 20, 4)), (3, (0.6, 400, 20)), (2, (0, 90, 40))],
+)
+def test_threads_find_the_same_clusters(python_functions, threads, size):
+    cloud = np.random.default_rng(threads).uniform(0, 1, (10_000 * threads, 4)) * [*size, 1]
+    # Chains along x cross all borders between the threads.
+    cloud[:600, 0], cloud[:600, 1:3] = (
+        np.linspace(0, size[0], 600),
+        np.repeat([[1, 2], [5, 3]], 300, 0),
+    )
+    truth = DBSCAN(eps=0.5, min_samples=1).fit_predict(cloud[:, :3])
+    labels = python_functions.cluster_in_parallel(cloud, 0.5, threads)
+    assert truth.max() > 100 and np.array_equal(labels, renumber_in_order(truth))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("column", range(3))
+def test_threads_refuse_points_without_a_cell(python_functions, bad, column):
+    cloud = np.zeros((20_000, 3))
+    cloud[:10_000, 0], cloud[15_000, column] = 1, bad
+    with pytest.raises(ValueError, match="drop"):
+        python_functions.cluster_in_parallel(cloud, 0.5, 2)
+
+
 @pytest.mark.parametrize(("gap", "clusters"), [(0.51, 2), (0.49, 1)])
 def test_crowded_cells_are_searched_with_a_tree(python_functions, gap, clusters):
     heaps = np.random.default_rng(4).uniform(0, 0.1, (2, 400, 3))
@@ -220,6 +252,8 @@ def test_compiled_functions_give_the_same_results():
     lesson = load_reference("10_accelerated_clustering")
     labels = functions.cluster_compiled(cloud)
     assert np.array_equal(labels, lesson.euclidean_clustering_accelerated(cloud))
+    for threads in (1, 2, 5):
+        assert np.array_equal(functions.cluster_in_parallel(cloud, 0.5, threads), labels)
     expected = by_smallest_rectangles(cloud)
     assert np.allclose(functions.detect_compiled(cloud), expected, atol=1e-9)
 
