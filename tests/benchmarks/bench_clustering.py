@@ -38,11 +38,24 @@ from tests.benchmarks.racing import (
 from utils import load_cloud, scenes
 
 OURS, COMPILED = "ours, full speed", "ours, Numba"
+THREADS = "ours, Numba on all processors"
 # Implementations that run on the worst cases for a grid.
-GRIDS = {name: CLUSTERING[name] for name in (COMPILED, OURS, "ours, taught", "dbscan (PyPI)")}
+GRIDS = {
+    name: CLUSTERING[name] for name in (THREADS, COMPILED, OURS, "ours, taught", "dbscan (PyPI)")
+}
 # The palette of Okabe and Ito (2008), which colour-blind readers can distinguish.
-COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#000000", "#999999"]
-SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
+COLOURS = [
+    "#0072B2",
+    "#56B4E9",
+    "#009E73",
+    "#D55E00",
+    "#E69F00",
+    "#CC79A7",
+    "#000000",
+    "#999999",
+    "#DDCC00",
+]
+SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
 
 
 def scans() -> Iterator[tuple[str, np.ndarray]]:
@@ -203,7 +216,7 @@ def draw(record: dict, path: Path) -> None:
     draw_bars("From that scan to boxes", record["detector"][name], "linear", axes["boxes"])
     for number, (implementation, series) in enumerate(record["scaling"].items()):
         label = f"{implementation}: n^{series['exponent']:.2f}"
-        style = {"marker": "os^vD<>P"[number % 8], "color": COLOURS[number % 8]}
+        style = {"marker": "os^vD<>PX"[number], "color": COLOURS[number]}
         axes["growth"].loglog(series["points"], series["seconds"], label=label, **style)
     axes["growth"].set(xlabel="points", ylabel="s", title="Turns of the scanner, side by side")
     axes["growth"].legend(fontsize="small", frameon=False, loc="upper left", ncols=2)

@@ -73,6 +73,12 @@ def by_numba(cloud: np.ndarray) -> np.ndarray:
 
 
 @_as_implementation
+def by_numba_threads(cloud: np.ndarray) -> np.ndarray:
+    """Cluster with the compiled version of lesson 13, on all processors."""
+    return _compiled("cluster_in_parallel")(cloud, RADIUS)
+
+
+@_as_implementation
 def all_pairs(cloud: np.ndarray) -> np.ndarray:
     """Cluster with SciPy: the connected components of the graph of all close pairs."""
     from scipy.sparse import coo_array
@@ -143,6 +149,7 @@ def detect_by_pcl(cloud: np.ndarray) -> Callable[[], np.ndarray]:
 
 
 CLUSTERING: dict[str, Implementation] = {
+    "ours, Numba on all processors": by_numba_threads,
     "ours, Numba": by_numba,
     "ours, full speed": full_speed,
     "ours, taught": taught,

@@ -1008,7 +1008,7 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
                         title="Distances that the search for the road computes")
     axes.axvline(7, color="black", linestyle=":")
     axes.text(7.1, axes.get_ylim()[1], "the ramp begins", va="top")
-    axes.text(5.5, 0, "no points", ha="center", va="bottom")
+    axes.text(5.5, 0, "no points\n", ha="center", va="bottom")
 
 # %% [markdown]
 # The boxes of all frames are the same. Where the ramp begins, the memory is wrong, so it does not save anything. In the next frame, the memory is right again.

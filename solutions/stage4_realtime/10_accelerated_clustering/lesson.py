@@ -1191,7 +1191,6 @@ def numbered_by_appearance(group):
     number = np.empty_like(first)
     number[np.argsort(first, kind="stable")] = np.arange(1, len(first) + 1)
     return number[group]
-    
     ### END SOLUTION
 
 # %%
