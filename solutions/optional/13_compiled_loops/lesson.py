@@ -932,7 +932,7 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
 # **An exact idea.** A *miss* is a point that is farther from a plane than the tolerance. RANSAC needs the sample with the fewest misses.
 #
 # - *Give up early.* A sample that already has as many misses as the best sample before it cannot win, so the count can end.
-# - *Begin with the likely misses.* The points that the last road misses are on kerbs and obstacles, and most samples miss them, too. If you count them first, most samples give up earlier.
+# - *Begin with the likely misses.* The points that the last road misses are on kerbs and obstacles, and most samples also miss them. If you count them first, most samples give up earlier.
 #
 # To keep the rest fast, the points are counted in blocks of 128. The memory changes only the order of the blocks, and the number of misses does not depend on this order. So the boxes are the same, whatever the detector remembers.
 
