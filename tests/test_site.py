@@ -41,7 +41,7 @@ from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
 from tests import class_pictures
 from tests.notebook_runs import errors_of, run
-from utils.scene3d import Scene, output
+from utils.scene3d import CAMERAS, Scene, output, viewer
 
 LESSON = find_lesson("05_euclidean_clustering")
 PUBLIC = Origin("https://github.com/anna/lidar", "v1")
@@ -164,6 +164,19 @@ def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     assert instead.startswith('<div><div class="still"><img ')
     assert page.endswith("</iframe></div>"), "a scene hides the element that follows it"
     assert 'alt="A "corner" in space"' in instead, "on paper, a picture is shown"
+
+
+def test_a_scene_on_a_page_has_every_point_of_the_scan(monkeypatch):
+    monkeypatch.setattr(viewer, "MAX_POINTS", widget_states.MAX_POINTS)
+    scan = np.loadtxt(PROJECT / "data" / "cloud.txt")
+    page = viewer.page(Scene().add_cloud(scan, colour="#0072B2"), CAMERAS["XY"], "")
+    content = json.loads(re.search('id="scene">(.*?)</script>', page)[1])
+    (part,) = content["points"]
+    steps = np.array([*struct.iter_unpack("<3H", base64.b64decode(part["xyz"]))])
+    points = part["low"] + steps * part["step"]
+    assert points.shape == (len(scan), 3)
+    assert np.abs(points - scan[:, :3]).max() < 0.005
+    assert content["note"] == "" and len(page) < 1_500_000
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():

@@ -25,6 +25,7 @@ ANSWER_TYPE = "application/vnd.lidar-obstacle-lab.answer+json"
 POSITIONS = {1: 4, 2: 3}  # positions per slider, without the lesson's own, by number of sliders
 DEFAULT_POSITIONS = 2  # positions per slider if there are more than two sliders
 TITLES = ("left", "center", "right")  # places of a title above the axes
+MAX_POINTS = 250_000  # in a scene; a page loads a scene separately, and a notebook contains it
 
 
 def record() -> None:
@@ -34,11 +35,13 @@ def record() -> None:
 
     from utils import by_hand, predictions
     from utils.questions import ask
+    from utils.scene3d import viewer
 
     # A question about a change would show a line of the course's answer.
     ask.ask_about = functools.partial(ask.ask_about, kinds=(ask.predict, ask.predict))
     ipywidgets.interact = interact
     by_hand.can_drag = lambda: False  # a page has no kernel that could answer
+    viewer.MAX_POINTS = MAX_POINTS
     predictions.predict = predict
     predictions.Prediction.compare = compare
     shell = get_ipython()
