@@ -3,9 +3,9 @@
     python -m tests.live_in_browser SITE PYTHON AXE.js PICTURES [LESSON ...]
 
 In lesson 06, the script acts as a student. It writes a wrong answer, an endless loop and the right
-answer, and downloads the notebook, which the judge must give full marks. In the other lessons, each
-check must pass with the lesson's own solution. The browser cannot reach any other machine, and the
-page may not try to. PYTHON is an interpreter with the course's packages.
+answer, moves sliders, and downloads the notebook, which the judge must give full marks. In the
+other lessons, each check must pass with the lesson's own solution. The browser cannot reach any
+other machine, and the page may not try to. PYTHON is an interpreter with the course's packages.
 """
 
 import functools
@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 from tests.site_in_browser import (
     AXE,
@@ -47,8 +48,20 @@ RIGHT = {
     "    return sums / count[:, None]\n",
 }
 WRONG = RIGHT["filter_ground"].replace(">=", "<=")
+PRINTING = RIGHT["filter_ground"].replace(
+    "    return", "    print('a level of', round(ground_level, 2))\n    return"
+)
 ENDLESS = RIGHT["filter_ground"] + "while True:\n    pass\n"
-ENDS = ("Checked", "Done", "Your code has", "Stopped", "Python cannot", "Python ended")
+ENDS = (
+    "Computed",
+    "The picture below",
+    "Checked",
+    "Done",
+    "Your code has",
+    "Stopped",
+    "Python cannot",
+    "Python ended",
+)
 PATIENCE = 1800  # seconds for one press of a button, on a machine with other work
 VIEWS = ((480, "light"), (480, "dark"), (1280, "light"), (1280, "dark"))
 LOADED = """
@@ -68,6 +81,16 @@ class Panel:
         self.driver, self.name = driver, name
         self.box = driver.find_element(By.CSS_SELECTOR, f'.live[aria-label="Write {name}"]')
 
+    @classmethod
+    def of_slider(cls, driver, title):
+        """Return the sliders whose titles contain a word, with their pictures."""
+        panel = cls.__new__(cls)
+        panel.driver, panel.name = driver, title
+        panel.box = driver.find_element(
+            By.XPATH, f"//fieldset[contains(@class, 'positions')][contains(., '{title}')]"
+        )
+        return panel
+
     def find(self, selector):
         return self.box.find_elements(By.CSS_SELECTOR, selector)
 
@@ -78,7 +101,7 @@ class Panel:
         self.wait(lambda: self.find(".cm-content"), "the editor does not open")
 
     def press(self, name):
-        (button,) = self.find(f"button.{name}")
+        (button,) = self.find(f"button.{name}:not([hidden])")
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
         button.click()
 
@@ -122,11 +145,28 @@ class Panel:
 
     def run(self, button):
         """Press a button and wait for one of the final states, which is returned."""
+        return self.end_of(button, lambda: self.press(button))
+
+    def move(self, key):
+        """Press a key in a slider and wait for one of the final states, which is returned."""
+        (slider,) = self.find(".sliders:not([hidden]) input")
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", slider)
+        self.driver.execute_script("arguments[0].textContent = ''", *self.find(".state"))
+        return self.end_of(
+            f"slider at {slider.get_attribute('aria-valuetext')}", lambda: slider.send_keys(key)
+        )
+
+    def shown_pictures(self):
+        """Return the alternative texts of the pictures that are visible."""
+        return [one.get_attribute("alt") for one in self.find("img") if one.is_displayed()]
+
+    def end_of(self, action, act):
+        """Do something and wait for one of the final states, which is returned."""
         begin = time.monotonic()
-        self.press(button)
+        act()
         self.wait(lambda: self.state().startswith(ENDS), "the code does not end")
         seconds = time.monotonic() - begin
-        print(f"{self.name}, {button}: {self.state()} {seconds:.0f} s", flush=True)
+        print(f"{self.name}, {action}: {self.state()} {seconds:.0f} s", flush=True)
         return self.state()
 
 
@@ -151,8 +191,10 @@ def card_in_notebook(python, name):
     )
     sent = [json.loads(line) for line in done.stdout.splitlines()]
     card = [m["data"] for m in sent if m.get("type") == "text/html"][-1]
-    # In the browser, no second process can look for the line to change, so there is no such hint.
-    return words_of(re.sub("<details><summary>Where to look.*?</details>", "", card))
+    # In the browser, no second process can look for the line to change. Therefore, there is no such
+    # hint, and nothing shows that the failures have the same reason.
+    card = re.sub("<details><summary>Where to look.*?</details>", "", card)
+    return words_of(re.sub("<summary>[^<]* for the same reason", "", card))
 
 
 def words_of(markup):
@@ -166,6 +208,9 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
     driver.execute_async_script(WAIT_UNTIL_SETTLED)
     if driver.execute_async_script(OTHER_HOST) != "refused":
         yield "the page may ask another host"
+    sliders = Panel.of_slider(driver, "level (m)")
+    if "MB" not in sliders.state() or not sliders.find("button.open"):
+        yield f"a slider does not say how much it will load: {sliders.state()}"
     panel = Panel(driver, "filter_ground")
     panel.open()
     if loaded := driver.execute_script(LOADED):
@@ -190,6 +235,7 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
         for violation in driver.execute_async_script(AXE):
             yield f"{width} pixels, {theme}: {violation}"
     view(driver, 1280, "light")
+    yield from faults_of_sliders(driver, panel, axe, pictures)
 
     panel.run("run")
     if not panel.find(".outputs img"):
@@ -205,6 +251,8 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
     driver.get(driver.current_url)
     panel = Panel(driver, "filter_ground")
     panel.open()
+    if any(one.is_displayed() for one in driver.find_elements(By.CSS_SELECTOR, ".sliders")):
+        yield "before Python runs, the page shows sliders"
     if panel.text().strip() != ENDLESS.strip():
         yield f"after a stop and a reload, the code is {panel.text()!r}"
 
@@ -233,6 +281,40 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
     print(f"The judge gives {verdict['score']} of {verdict['max_score']} points.", flush=True)
     if verdict["score"] != verdict["max_score"]:
         yield f"the judge gives {verdict['score']} points"
+
+
+def faults_of_sliders(driver, panel, axe, pictures):
+    """Move the sliders of lesson 06 while Python runs; yield a sentence for each fault."""
+    cells = Panel.of_slider(driver, "cell (m)")
+    prepared = cells.shown_pictures()
+    end = cells.move(Keys.ARROW_RIGHT)
+    if "voxel_grid is not written yet" not in cells.outputs() or not end.startswith("The picture"):
+        yield f"without code, a moved slider says: {end} {cells.outputs()}"
+    if cells.shown_pictures() != prepared or len(prepared) != 1:
+        yield f"without code, {prepared} becomes {cells.shown_pictures()}"
+    if not any(one.is_displayed() for one in cells.find("input[type=radio]")):
+        yield "without code, the prepared pictures cannot be chosen"
+
+    levels = Panel.of_slider(driver, "level (m)")
+    panel.write(PRINTING)
+    for key, level in ((Keys.ARROW_RIGHT, "-1.1"), (Keys.HOME, "-2.2"), (Keys.END, "0.6")):
+        end = levels.move(key)
+        if end != f"Computed with level={level}." or f"a level of {level}" not in levels.outputs():
+            yield f"a slider at {level} says: {end} {levels.outputs()}"
+        if levels.shown_pictures() != [f"The figure with level={level}."]:
+            yield f"a slider at {level} shows {levels.shown_pictures()}"
+    if any(one.is_displayed() for one in levels.find("input[type=radio]")):
+        yield "a computed picture is below buttons that do not belong to it"
+    for width, theme in VIEWS:
+        view(driver, width, theme)
+        for name, box in (("written", levels.box), ("not_written", cells.box)):
+            driver.execute_script("arguments[0].scrollIntoView({block: 'start'})", box)
+            time.sleep(0.5)
+            driver.save_screenshot(str(pictures / f"slider_{name}_{width}_{theme}.png"))
+        driver.execute_script(axe)
+        for violation in driver.execute_async_script(AXE):
+            yield f"a slider, {width} pixels, {theme}: {violation}"
+    view(driver, 1280, "light")
 
 
 def faults_of_lesson(driver, root, path):

@@ -32,6 +32,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 VIEWS = ((390, "light"), (768, "light"), (1200, "dark"), (1600, "light"))
 HEIGHT = 900
 HEAVIEST = 3_000_000  # bytes, before scrolling
+HEAVIEST_SCENE = 1_500_000  # bytes, which load when the scene comes into view
 PATIENCE = 600  # seconds, on a machine with other work
 SWITCHES = (
     *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-quic"),
@@ -431,6 +432,22 @@ def faults_of_shared_scene(driver, root):
             yield f"the wrong address #{wrong} shows {camera()}"
 
 
+def faults_of_scenes(site):
+    """Yield a sentence for each scene that lacks points or is too heavy."""
+    scenes = [
+        path
+        for path in site.glob("_static/shown/*.html")
+        if 'id="scene"' in path.read_text("utf-8")
+    ]
+    if not scenes:
+        yield "the site has no scenes"
+    for path in scenes:
+        if '"note":""' not in path.read_text("utf-8"):
+            yield f"the scene {path.name} does not have all points"
+        if path.stat().st_size > HEAVIEST_SCENE:
+            yield f"the scene {path.name} weighs {path.stat().st_size:,} bytes"
+
+
 def faults_without_webgl(driver, root):
     """Open the front page in a browser without WebGL; yield a sentence if it shows no film."""
     view(driver, 1200, "light")
@@ -541,6 +558,7 @@ def main(site, python, axe, pictures):
             *faults_of_film(driver, root),
             *faults_of_shared_playground(driver, root),
             *faults_of_shared_scene(driver, root),
+            *faults_of_scenes(site),
             *faults_on_paper(driver, root, pictures),
         ):
             found.append(fault)

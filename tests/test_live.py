@@ -14,6 +14,7 @@ import jinja2
 import pytest
 
 from grader.course.lessons import every_lesson, find_lesson
+from grader.course.paths import PROJECT
 from grader.site import lesson as lesson_pages
 from grader.site import settings
 from grader.site.builder import THEME
@@ -121,6 +122,16 @@ def test_the_kernel_draws_figures_unless_it_runs_quietly():
     assert [m["type"] for m in shown] == ["image/png", "text/plain", "text/plain"]
     assert "Figure" in shown[1]["data"], "a figure that is not drawn is only named"
     assert shown[2]["data"] == "[]", "figures do not wait for the next cell"
+
+
+def test_a_moved_slider_calls_the_function_of_its_cell():
+    cell = (
+        f"import sys; sys.path.insert(0, {str(PROJECT)!r})\n"
+        "from utils.static_widgets import StaticWidget, interact\n"
+        "@interact(n=StaticWidget(value=3))\ndef show(n):\n    print(n)\n"
+    )
+    sent = messages_of((cell, True), ("show(n=5)", False))
+    assert "".join(m["text"] for m in sent if m["kind"] == "stream") == "3\n5\n"
 
 
 def test_a_display_can_be_updated():

@@ -374,6 +374,14 @@ def test_the_view_has_at_most_20_000_points_and_half_a_megabyte(street):
     assert len(page) < 500_000
 
 
+def test_noise_has_smaller_dots_than_clusters_in_the_view(street):
+    labels = np.ones(len(street), int)
+    labels[:9] = 0
+    scene = Scene().add_clusters(street, labels)
+    clusters, noise = content_of(viewer.page(scene, CAMERAS["XY"], ""))["points"]
+    assert noise["size"] < clusters["size"]
+
+
 def test_the_view_keeps_positions_to_the_millimetre(street):
     part = content_of(viewer.page(Scene().add_cloud(street), CAMERAS["XY"], ""))["points"][0]
     steps = np.frombuffer(base64.b64decode(part["xyz"]), "<u2").reshape(-1, 3)

@@ -41,7 +41,7 @@ from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
 from tests import class_pictures
 from tests.notebook_runs import errors_of, run
-from utils.scene3d import Scene, output
+from utils.scene3d import CAMERAS, Scene, output, viewer
 
 LESSON = find_lesson("05_euclidean_clustering")
 PUBLIC = Origin("https://github.com/anna/lidar", "v1")
@@ -57,9 +57,18 @@ def displayed_output(data, about=None):
     return new_output("display_data", data=data, metadata=about or {})
 
 
+CALL = {
+    "name": "show_level",
+    "parameters": [
+        {"name": "level", "title": 'level\'s "m"', "values": ["-2.2", "-1.2", "0.6"], "start": 1}
+    ],
+}
+
+
 def positions():
     """Yield the outputs of a slider at its initial value and at two other values."""
-    yield displayed_output({widget_states.POSITION_TYPE: {"all": [["level (m)", "-1.2"]]}})
+    own = {"all": [["level (m)", "-1.2"]], "call": CALL}
+    yield displayed_output({widget_states.POSITION_TYPE: own})
     yield displayed_output({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
         yield displayed_output(
@@ -125,6 +134,49 @@ def test_a_slider_becomes_pictures_at_some_positions_with_labels():
     assert 'alt="In "red""' in html.unescape(page) and 'width="30" height="20"' in page
 
 
+def test_a_page_knows_how_to_call_the_function_of_a_slider():
+    notebook = nbformat.reads(
+        page_of(LESSON, solved_notebooks()[LESSON], "", Pictures()).decode(), as_version=4
+    )
+    moved = [
+        (cell.id, re.findall("data-call='(.*?)'", output.data["text/html"]))
+        for cell in notebook.cells
+        for output in cell.get("outputs", ())
+        if "fieldset" in output.get("data", {}).get("text/html", "")
+    ]
+    ((name, (call,)),) = moved
+    assert json.loads(html.unescape(call)) == CALL
+    tagged = [
+        cell.id for cell in notebook.cells if f"sliders-{name}" in cell.metadata.get("tags", ())
+    ]
+    assert tagged == [name], "the script finds the cell by its tag"
+
+
+def test_only_a_function_of_the_notebook_can_be_called(monkeypatch):
+    shown = []
+    monkeypatch.setattr(widget_states, "_display", lambda kind, about, text: shown.append(about))
+
+    def draw(rounds, level):
+        pass
+
+    for module in ("utils.replays.player", "__main__"):
+        draw.__module__ = module
+        widget_states.interact(
+            rounds=ipywidgets.SelectionSlider(options=[10, 20, 500], value=20),
+            level=ipywidgets.FloatSlider(value=1, min=0.9, max=1.2, step=0.1, description="z (m)"),
+        )(draw)
+    ours, theirs = shown[: len(shown) // 2], shown[len(shown) // 2 :]
+    assert not any("call" in about for about in ours)
+    assert theirs[0].pop("call") == {
+        "name": "draw",
+        "parameters": [
+            {"name": "rounds", "title": "rounds", "values": ["10", "20", "500"], "start": 1},
+            {"name": "level", "title": "z (m)", "values": ["0.9", "1.0", "1.1", "1.2"], "start": 1},
+        ],
+    }
+    assert ours == theirs, "the positions are the same"
+
+
 def test_several_sliders_share_one_choice():
     own = {widget_states.POSITION_TYPE: {"all": [["beams", "32"], ["step", "0.8"]]}}
     moved = [
@@ -164,6 +216,19 @@ def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     assert instead.startswith('<div><div class="still"><img ')
     assert page.endswith("</iframe></div>"), "a scene hides the element that follows it"
     assert 'alt="A "corner" in space"' in instead, "on paper, a picture is shown"
+
+
+def test_a_scene_on_a_page_has_every_point_of_the_scan(monkeypatch):
+    monkeypatch.setattr(viewer, "MAX_POINTS", widget_states.MAX_POINTS)
+    scan = np.loadtxt(PROJECT / "data" / "cloud.txt")
+    page = viewer.page(Scene().add_cloud(scan, colour="#0072B2"), CAMERAS["XY"], "")
+    content = json.loads(re.search('id="scene">(.*?)</script>', page)[1])
+    (part,) = content["points"]
+    steps = np.array([*struct.iter_unpack("<3H", base64.b64decode(part["xyz"]))])
+    points = part["low"] + steps * part["step"]
+    assert points.shape == (len(scan), 3)
+    assert np.abs(points - scan[:, :3]).max() < 0.005
+    assert content["note"] == "" and len(page) < 1_500_000
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():
@@ -231,6 +296,8 @@ def show(n):
 guess.compare(7, "So it is.")
 from utils.by_hand import Drawing, drag_points
 drag_points(lambda points: Drawing("Two points"), [[0, 0], [1, 1]], limits=(0, 1, 0, 1))
+from utils.scene3d import viewer
+print(viewer.MAX_POINTS)
 print(sorted(name for name in globals() if "record" in name or name == "np"))
 """
     sources = (setup, runs.recorder_code(), lesson)
@@ -250,7 +317,10 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
         "why": "So it is.",
     }
     assert outputs[2].metadata["image/png"]["alt"] == "Figure. 3 things."
-    assert outputs[-1].text == "[]\n", "the notebook has no additional names"
+    assert outputs[1].data[widget_states.POSITION_TYPE]["call"]["name"] == "show"
+    most, names = outputs[-1].text.split("\n", 1)
+    assert int(most) == widget_states.MAX_POINTS, "a scene on a page has all points"
+    assert names == "[]\n", "the notebook has no additional names"
 
 
 # ---- pages --------------------------------------------------------------------------------------

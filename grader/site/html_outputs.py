@@ -132,6 +132,7 @@ def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
         positions=[part["html"] for part in positions],
         name=name,
         own=own_values,
+        call=positions[0]["about"].get("call"),
     )
 
 

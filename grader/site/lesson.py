@@ -17,7 +17,7 @@ from grader.site.errors import SiteError
 from grader.site.films import LessonFilm, film_of
 from grader.site.html_outputs import PATH_TO_ROOT, page_outputs
 from grader.site.pictures import Pictures
-from grader.site.widget_states import QUESTION_TYPE
+from grader.site.widget_states import POSITION_TYPE, QUESTION_TYPE
 
 FOLDED_TAGS = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
@@ -62,6 +62,8 @@ def page_of(lesson: Lesson, solved_run: bytes, links: str, pictures: Pictures) -
             )
             if is_exercise(cell):
                 cell.metadata["tags"] = sorted({*tags, f"exercise-{cell.id}"})
+            elif _has_sliders_to_move(solved[cell.id]):
+                cell.metadata["tags"] = sorted({*tags, f"sliders-{cell.id}"})
             if FOLDED_TAGS & tags:
                 _fold(cell, _title(cell))
             elif _has_only_questions(solved[cell.id]):
@@ -98,6 +100,14 @@ def _insert_film(cells: list[NotebookNode], film: LessonFilm, pictures: Pictures
 def is_exercise(cell: NotebookNode) -> bool:
     """Return whether students write code in this cell."""
     return cell.cell_type == "code" and cell.metadata.get("nbgrader", {}).get("solution", False)
+
+
+def _has_sliders_to_move(cell: NotebookNode) -> bool:
+    """Return whether a cell has sliders whose function the browser can call in a live site."""
+    return any(
+        "call" in output.get("data", {}).get(POSITION_TYPE, {})
+        for output in cell.get("outputs", ())
+    )
 
 
 def _title(cell: NotebookNode) -> str:

@@ -25,6 +25,7 @@ ANSWER_TYPE = "application/vnd.lidar-obstacle-lab.answer+json"
 POSITIONS = {1: 4, 2: 3}  # positions per slider, without the lesson's own, by number of sliders
 DEFAULT_POSITIONS = 2  # positions per slider if there are more than two sliders
 TITLES = ("left", "center", "right")  # places of a title above the axes
+MAX_POINTS = 250_000  # in a scene; a page loads a scene separately, and a notebook contains it
 
 
 def record() -> None:
@@ -34,11 +35,13 @@ def record() -> None:
 
     from utils import by_hand, predictions
     from utils.questions import ask
+    from utils.scene3d import viewer
 
     # A question about a change would show a line of the course's answer.
     ask.ask_about = functools.partial(ask.ask_about, kinds=(ask.predict, ask.predict))
     ipywidgets.interact = interact
     by_hand.can_drag = lambda: False  # a page has no kernel that could answer
+    viewer.MAX_POINTS = MAX_POINTS
     predictions.predict = predict
     predictions.Prediction.compare = compare
     shell = get_ipython()
@@ -51,6 +54,8 @@ def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
 
     def run(function: Callable) -> Callable:
         for about, values in positions(sliders):
+            if "all" in about and function.__module__ == "__main__":  # a cell defines the function
+                about["call"] = {"name": function.__name__, "parameters": [*_parameters(sliders)]}
             text = ", ".join(f"{name} {value:g}" for name, value in values.items())
             _display(POSITION_TYPE, about, text)
             function(**values)
@@ -83,15 +88,29 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
             yield {"slider": titles[name], "value": f"{value:g}"}, current | {name: value}
 
 
+def _parameters(sliders: dict[str, Widget]) -> Iterator[dict]:
+    """Yield the name, title, values as Python code, and current value's index of each slider."""
+    for name, slider in sliders.items():
+        values = _values(slider)
+        yield {
+            "name": name,
+            "title": slider.description or name,
+            "values": [*map(repr, values)],
+            "start": int(np.argmin(np.abs(np.subtract(values, slider.value)))),
+        }
+
+
+def _values(slider: Widget) -> list[float]:
+    if hasattr(slider, "options"):
+        return [*slider.options]
+    steps = int(round((slider.max - slider.min) / slider.step))
+    kind = type(slider.value)
+    return [kind(round(slider.min + step * slider.step, 9)) for step in range(steps + 1)]
+
+
 def _spread(slider: Widget, count: int) -> list[float]:
     """Return `count` evenly spread values of a slider, without the current one."""
-    if hasattr(slider, "options"):
-        values = [value for value in slider.options if value != slider.value]
-    else:
-        steps = int(round((slider.max - slider.min) / slider.step))
-        kind = type(slider.value)
-        values = [kind(round(slider.min + step * slider.step, 9)) for step in range(steps + 1)]
-        values = [value for value in values if abs(value - slider.value) > 1e-9]
+    values = [value for value in _values(slider) if abs(value - slider.value) > 1e-9]
     chosen = np.linspace(0, len(values) - 1, min(count, len(values))).round().astype(int)
     return [values[index] for index in chosen]
 

@@ -128,18 +128,18 @@ def _points(part: Points, share: float) -> dict:
 
     `share` is the proportion of the points to include, from 0 to 1.
     """
-    xyz, colours = part.xyz, part.colours
+    xyz, colours, size = part.xyz, part.colours, part.size
     if share < 1 and len(xyz):
         # A random choice, because every k-th point could coincide with the order of the beams.
         count = max(int(share * len(xyz)), 1)
         rows = np.sort(np.random.default_rng(0).choice(len(xyz), count, replace=False))
-        xyz, colours = xyz[rows], colours[rows]
+        xyz, colours, size = xyz[rows], colours[rows], max(size, dot_size(count))
     low = xyz.min(axis=0).astype(float) if len(xyz) else np.zeros(3)
     high = xyz.max(axis=0).astype(float) if len(xyz) else np.zeros(3)
     step = np.maximum((high - low) / STEPS, 1e-9)
     return {
         "layer": part.layer,
-        "size": max(part.size, dot_size(len(xyz))),
+        "size": size,
         "low": low.tolist(),
         "step": step.tolist(),
         "xyz": _packed(np.round((xyz - low) / step).clip(0, STEPS), "<u2"),

@@ -1,13 +1,19 @@
 // Run and Check under each exercise: an editor, Python in a Web Worker, and the notebook to hand in.
+// Sliders, which show prepared pictures, compute new ones while Python runs.
 //
-// Nothing is loaded before the reader opens an editor, and Python not before they press Run or Check.
+// Nothing is loaded before the reader opens an editor, and Python not before they press a button.
 (() => {
   const here = document.currentScript;
   const folder = new URL(".", here.src);
   const { lesson, python, library, bytes } = here.dataset;
   const size = `${(bytes / 1e6).toFixed(0)} MB`;
-  const exercises = [...document.querySelectorAll("div.cell[class*=tag_exercise-]")];
-  const idOf = (cell) => [...cell.classList].find((name) => name.startsWith("tag_exercise-")).slice(13);
+  // Calls a function with each cell of a kind on the page, and the cell's id.
+  const forEachCell = (kind, act) => {
+    for (const cell of document.querySelectorAll(`div.cell[class*=tag_${kind}-]`)) {
+      const tag = [...cell.classList].find((name) => name.startsWith(`tag_${kind}-`));
+      act(cell, tag.slice(`tag_${kind}-`.length));
+    }
+  };
   const key = (id) => `code-${lesson}-${id}`;
   // The reader's code, by exercise. A browser may refuse to store it; then it lasts as long as the page.
   const written = new Map();
@@ -37,8 +43,10 @@
     return made;
   };
   const sourceOf = (cell) => (Array.isArray(cell.source) ? cell.source.join("") : cell.source);
+  const isCode = (cell) => cell.cell_type === "code";
   const isExercise = (cell) => cell.metadata.nbgrader?.solution;
   const isCheck = (cell) => cell.metadata.nbgrader?.grade && !isExercise(cell);
+  const textOf = (cell) => (isExercise(cell) ? known(cell.id) ?? sourceOf(cell) : sourceOf(cell));
 
   // --- files of the site ------------------------------------------------------------------------
 
@@ -58,6 +66,11 @@
   let busy = false;
   let answer = null; // {resolve, reject, receive} of the message that the worker is answering
   let ran = new Map(); // the source with which each cell ran in this session, by the cell's id
+  const panels = []; // parts of the page that show whether the worker is busy
+  const setBusy = (is) => {
+    busy = is;
+    for (const panel of panels) panel.setBusy(is);
+  };
 
   const ask = (message, receive) => new Promise((resolve, reject) => {
     answer = { resolve, reject, receive };
@@ -98,6 +111,34 @@
     if (!cell.metadata.tags?.includes("raises-exception")) errors.forEach((message) => warn(message));
     return ok;
   };
+  // Runs the cells that have not run with their present source; returns whether the last one succeeded.
+  const runAbove = async (cells, tell, warn) => {
+    const above = cells.filter((cell) => isCode(cell) && !isCheck(cell) && ran.get(cell.id) !== textOf(cell));
+    let ok = true;
+    for (const [index, cell] of above.entries()) {
+      tell(`Running the cells above: ${index + 1} of ${above.length}`);
+      ok = await runCell(cell, textOf(cell), null, warn);
+      if (!ok && cell.metadata.tags?.includes("setup")) throw new Error("The course's tools did not load.");
+    }
+    return ok;
+  };
+  // Starts Python if needed, and runs code; `act` returns what to tell the reader at the end.
+  const work = async (tell, act) => {
+    setBusy(true);
+    try {
+      if (!worker) {
+        await startPython(tell);
+        for (const panel of panels) panel.started?.();
+      }
+      tell(await act());
+    } catch (error) {
+      if (error instanceof Stopped) tell("Stopped. Your code is kept, and Run starts Python again.");
+      else if (ran.size) tell(`Python ended. ${error.message} Your code is kept, and Run starts Python again.`);
+      else tell(`Python cannot start. ${error.message} It needs Chrome 137, Firefox 131, Safari 18.4, or a newer version.`);
+      end();
+    }
+    setBusy(false);
+  };
 
   // --- outputs --------------------------------------------------------------------------------------
 
@@ -120,7 +161,7 @@
   const overwritten = (text) => text.replace(/[^\n]*\r(?!\n)/g, "");
 
   // Returns a function that adds the worker's messages to a box on the page.
-  const shownIn = (box) => {
+  const shownIn = (box, alt = "The figure that this code draws.") => {
     const displays = new Map();
     const added = (kind, ...children) => {
       const output = element("div", { class: `output ${kind}` }, ...children);
@@ -140,7 +181,7 @@
         let content;
         if (message.type === "text/html") content = withoutScripts(message.data);
         else if (message.type.startsWith("image/")) {
-          content = [element("img", { src: `data:${message.type};base64,${message.data}`, alt: "The figure that this code draws." })];
+          content = [element("img", { src: `data:${message.type};base64,${message.data}`, alt })];
         } else content = [element("pre", { tabindex: "0" }, message.data)];
         const earlier = message.update && displays.get(message.id);
         if (earlier) earlier.replaceChildren(...content);
@@ -154,17 +195,10 @@
 
   // --- one exercise -----------------------------------------------------------------------------------
 
-  const panels = [];
-  const setBusy = (is) => {
-    busy = is;
-    for (const panel of panels) panel.setBusy(is);
-  };
-
   const openPanel = async (place, id) => {
     const [{ cells }] = await Promise.all([notebook(), editorScript()]);
     const position = cells.findIndex((cell) => cell.id === id);
     const stub = sourceOf(cells[position]);
-    const isCode = (cell) => cell.cell_type === "code";
     const rest = cells.slice(position + 1);
     const following = rest.slice(0, Math.max(0, rest.findIndex((cell) => isExercise(cell) || isCheck(cell)))).filter(isCode);
     const check = rest.find((cell) => isExercise(cell) || isCheck(cell));
@@ -180,23 +214,14 @@
       label: `Your code for ${id}. Press Escape and then Tab to leave the editor.`,
       changed: (text) => (text === stub ? forget(id) : keep(id, text)),
     });
-    const textOf = (cell) => (isExercise(cell) ? (cell.id === id ? editor.text() : known(cell.id) ?? sourceOf(cell)) : sourceOf(cell));
 
-    // Runs the cells above that have not run with their present source, then this exercise.
-    const run = async (checking) => {
+    // Runs the cells above, then this exercise.
+    const run = (checking) => {
       if (busy) return;
-      setBusy(true);
       outputs.replaceChildren();
       const show = shownIn(outputs);
-      try {
-        if (!worker) await startPython(tell);
-        const above = cells.slice(0, position).filter(
-          (cell) => isCode(cell) && !isCheck(cell) && ran.get(cell.id) !== textOf(cell));
-        for (const [index, cell] of above.entries()) {
-          tell(`Running the cells above: ${index + 1} of ${above.length}`);
-          const ok = await runCell(cell, textOf(cell), null, show);
-          if (!ok && cell.metadata.tags?.includes("setup")) throw new Error("The course's tools did not load.");
-        }
+      work(tell, async () => {
+        await runAbove(cells.slice(0, position), tell, show);
         tell("Running your code");
         const isNew = ran.get(id) !== textOf(cells[position]);
         let ok = await runCell(cells[position], textOf(cells[position]), show);
@@ -212,14 +237,8 @@
             if (ok && card.includes("✓ passed") && !/✗ failed|… waiting/.test(card)) keepPassed(id);
           }
         }
-        tell(checking ? "Checked." : ok ? "Done." : "Your code has an error.");
-      } catch (error) {
-        if (error instanceof Stopped) tell("Stopped. Your code is kept, and Run starts Python again.");
-        else if (ran.size) tell(`Python ended. ${error.message} Your code is kept, and Run starts Python again.`);
-        else tell(`Python cannot start. ${error.message} It needs Chrome 137, Firefox 131, Safari 18.4, or a newer version.`);
-        end();
-      }
-      setBusy(false);
+        return checking ? "Checked." : ok ? "Done." : "Your code has an error.";
+      });
     };
 
     const buttons = {
@@ -260,17 +279,85 @@
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
   };
 
-  for (const cell of exercises) {
-    const id = idOf(cell);
+  // --- sliders --------------------------------------------------------------------------------------------
+
+  // Adds sliders to prepared pictures. A moved slider calls the function of its cell.
+  const addSliders = (cell, id) => {
+    const place = cell.querySelector("fieldset.positions");
+    const { name, parameters } = JSON.parse(place.dataset.call);
+    const state = element("p", { class: "state", role: "status" });
+    const outputs = element("div", { class: "outputs" });
+    const tell = (text) => { state.textContent = text; };
+    const inputs = parameters.map(({ values, start }) => element("input", { type: "range", max: values.length - 1, value: start }));
+    const valueAt = (index) => parameters[index].values[inputs[index].value];
+    let isOutdated = false;
+
+    const compute = () => {
+      isOutdated = busy;
+      if (busy) return;
+      const values = parameters.map((parameter, index) => `${parameter.name}=${valueAt(index)}`).join(", ");
+      const box = element("div");
+      const show = shownIn(box, `The figure with ${values}.`);
+      work(tell, async () => {
+        const { cells } = await notebook();
+        const position = cells.findIndex((one) => one.id === id);
+        let ok = await runAbove(cells.slice(0, position + 1), tell, show);
+        tell("Computing");
+        if (ok) ({ ok } = await ask({ source: `${name}(${values})` }, show));
+        else ran.delete(id);
+        outputs.replaceChildren(box);
+        place.classList.toggle("computed", ok);
+        return ok ? `Computed with ${values}.` : "The picture below was prepared with the course's answer.";
+      });
+    };
+
+    const row = element("div", { class: "sliders" }, ...inputs.map((input, index) => {
+      const value = element("b");
+      const describe = () => {
+        value.textContent = valueAt(index);
+        input.setAttribute("aria-valuetext", valueAt(index));
+      };
+      describe();
+      input.addEventListener("input", describe);
+      input.addEventListener("change", compute);
+      return element("label", {}, `${parameters[index].title} `, value, input);
+    }));
+    const stop = button("stop", "Stop", () => fail(new Stopped()));
+    const open = button("open", "Choose any value", compute);
+    stop.hidden = row.hidden = true;
+    tell(`The first time, this downloads Python from this website (${size}). Your browser keeps it.`);
+    panels.push({
+      started: () => {
+        if (!row.hidden) return;
+        const isHere = document.activeElement === open;
+        row.hidden = false;
+        open.remove();
+        if (isHere) inputs[0].focus();
+        tell("Move a slider, and Python computes the picture.");
+        place.querySelector("input.at-0").checked = true; // the sliders begin with the lesson's values
+      },
+      setBusy: (is) => {
+        stop.hidden = !is;
+        if (!is && isOutdated) setTimeout(compute);
+      },
+    });
+    place.querySelector("legend").after(element("div", { class: "live" }, open, row, stop, state), outputs);
+  };
+
+  // --- the page -----------------------------------------------------------------------------------------------
+
+  const isServed = location.protocol !== "file:";
+  if (isServed) forEachCell("sliders", addSliders);
+  forEachCell("exercise", (cell, id) => {
     const place = element("div", { class: "live", role: "group", "aria-label": `Write ${id}` });
     cell.querySelector(".cell_input").after(place);
-    if (location.protocol === "file:") {
+    if (!isServed) {
       place.append(element("p", {}, "Your code can run in this page only if the page comes from a web server. "
         + "If you opened the page from a disk, download the notebook."));
-      continue;
+      return;
     }
     const open = () => openPanel(place, id).catch((error) => { place.append(element("p", { role: "alert" }, error.message)); });
     place.append(button("open", "Write and run it here", open));
     if (known(id) !== null) open();
-  }
+  });
 })();
