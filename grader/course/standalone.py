@@ -147,7 +147,9 @@ def packed_tools(lesson: str) -> bytes:
                 content = json.dumps({own_lesson.number: keys.get(own_lesson.number, [])}).encode()
             entry.size, entry.mode = len(content), 0o644
             archive.addfile(entry, io.BytesIO(content))
-    return lzma.compress(buffer.getvalue(), preset=9 | lzma.PRESET_EXTREME)
+    # Text is not aligned, so pb, which is for numbers of several bytes, is 0.
+    compression = {"id": lzma.FILTER_LZMA2, "preset": 9 | lzma.PRESET_EXTREME, "pb": 0}
+    return lzma.compress(buffer.getvalue(), filters=[compression])
 
 
 def is_setup_cell(source: str, lesson: str) -> bool:
