@@ -420,7 +420,7 @@ def sort_by_cell(points, side):
     next_y = np.int64(high_z - low_z) + 5
     next_x = (np.int64(high_y - low_y) + 5) * next_y
     number = np.empty(len(points), np.int64)
-    for i in range(len(points)):
+    for i in range(len(number)):
         x = np.int64(np.floor(points[i, 0] / side) - low_x)
         y = np.int64(np.floor(points[i, 1] / side) - low_y)
         z = np.int64(np.floor(points[i, 2] / side) - low_z)
