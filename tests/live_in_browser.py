@@ -226,15 +226,7 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
     missing = set(card_in_notebook(python, "filter_ground")) - set(words_of(panel.html()))
     if missing:
         yield f"the card lacks {sorted(missing)}: {panel.outputs()}"
-    for width, theme in VIEWS:
-        view(driver, width, theme)
-        driver.execute_script("arguments[0].scrollIntoView({block: 'start'})", panel.box)
-        time.sleep(0.5)
-        driver.save_screenshot(str(pictures / f"live_{width}_{theme}.png"))
-        driver.execute_script(axe)
-        for violation in driver.execute_async_script(AXE):
-            yield f"{width} pixels, {theme}: {violation}"
-    view(driver, 1280, "light")
+    yield from faults_in_views(driver, {"live": panel.box}, axe, pictures)
     yield from faults_of_sliders(driver, panel, axe, pictures)
 
     panel.run("run")
@@ -283,6 +275,20 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
         yield f"the judge gives {verdict['score']} points"
 
 
+def faults_in_views(driver, boxes, axe, pictures):
+    """Save a picture of each box, by its name, in each view; yield what axe finds."""
+    for width, theme in VIEWS:
+        view(driver, width, theme)
+        for name, box in boxes.items():
+            driver.execute_script("arguments[0].scrollIntoView({block: 'start'})", box)
+            time.sleep(0.5)
+            driver.save_screenshot(str(pictures / f"{name}_{width}_{theme}.png"))
+        driver.execute_script(axe)
+        for violation in driver.execute_async_script(AXE):
+            yield f"{', '.join(boxes)}, {width} pixels, {theme}: {violation}"
+    view(driver, 1280, "light")
+
+
 def faults_of_sliders(driver, panel, axe, pictures):
     """Move the sliders of lesson 06 while Python runs; yield a sentence for each fault."""
     cells = Panel.of_slider(driver, "cell (m)")
@@ -305,16 +311,8 @@ def faults_of_sliders(driver, panel, axe, pictures):
             yield f"a slider at {level} shows {levels.shown_pictures()}"
     if any(one.is_displayed() for one in levels.find("input[type=radio]")):
         yield "a computed picture is below buttons that do not belong to it"
-    for width, theme in VIEWS:
-        view(driver, width, theme)
-        for name, box in (("written", levels.box), ("not_written", cells.box)):
-            driver.execute_script("arguments[0].scrollIntoView({block: 'start'})", box)
-            time.sleep(0.5)
-            driver.save_screenshot(str(pictures / f"slider_{name}_{width}_{theme}.png"))
-        driver.execute_script(axe)
-        for violation in driver.execute_async_script(AXE):
-            yield f"a slider, {width} pixels, {theme}: {violation}"
-    view(driver, 1280, "light")
+    boxes = {"slider_written": levels.box, "slider_not_written": cells.box}
+    yield from faults_in_views(driver, boxes, axe, pictures)
 
 
 def faults_of_lesson(driver, root, path):

@@ -377,6 +377,20 @@ def test_places_to_stop_are_at_most_ninety_minutes_apart(lesson):
     assert max(durations.sitting_minutes(notebook)) <= durations.MAX_MINUTES_WITHOUT_STOP
 
 
+def test_sittings_take_as_long_as_stated(lesson):
+    notebook = nbformat.read(lesson.solved, as_version=4)
+    total, estimated = durations.stated_minutes(notebook), durations.sitting_minutes(notebook)
+    sentence = re.search(r"in (?:two|three) sittings[^.]*", notebook.cells[0].source)
+    numbers = re.findall(r"(?<!Part )\b\d+", sentence[0]) if sentence else [total]
+    stated = [int(number) for number in numbers]
+    assert [total / sum(estimated) * minutes for minutes in estimated] == pytest.approx(
+        stated, rel=0.1
+    )
+    stops = [cell.source for cell in notebook.cells if durations.STOP_MARK in cell.source]
+    for stop, minutes in zip(stops, stated[1:], strict=True):  # of the sitting that follows
+        assert all(int(number) == minutes for number in re.findall(r"(\d+) minutes", stop))
+
+
 def test_the_tests_in_this_file_run_in_one_process(request):
     """Fail if pytest-xdist silently ignores test groups, as incompatible versions do."""
     if "PYTEST_XDIST_WORKER" in os.environ:

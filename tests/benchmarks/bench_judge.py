@@ -164,7 +164,7 @@ def time_mistakes(lesson):
     }
     right = {name: solved[name] for name in exercises}
     wrong = {
-        name: [one.source for one in answers_to(name) if not one.right][:WRONG_ANSWERS]
+        name: [answer.source for answer in answers_to(name) if not answer.right][:WRONG_ANSWERS]
         for name in exercises
     }
 

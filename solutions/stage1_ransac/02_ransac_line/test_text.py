@@ -2,12 +2,9 @@
 
 import re
 
-import nbformat
 import numpy as np
 import pytest
 
-from grader.course import durations
-from grader.course.lessons import find_lesson
 from tests.lesson_texts import run_lesson
 from utils import load_cloud
 from utils.datasets import DATA
@@ -32,15 +29,6 @@ def test_tiny_examples_give_the_expected_results(lesson_run):
         assert numbers_in(lines[number]) == numbers_in(lines[number + 1])
     line, inliers = lesson_run.names["ransac_line"](lesson_run.names["five"], 20, 0.1, 0)
     assert np.allclose(np.abs(line), [0, 1, 1]) and inliers.tolist() == [True] * 4 + [False]
-
-
-def test_the_sittings_take_as_long_as_stated():
-    notebook = nbformat.read(find_lesson("02_ransac_line").solved, as_version=4)
-    stated = re.search(r"three sittings of (\d+), (\d+) and (\d+)", notebook.cells[0].source)
-    minutes = durations.sitting_minutes(notebook)
-    assert minutes == pytest.approx([int(number) for number in stated.groups()], rel=0.1)
-    assert f"The second sitting takes {stated[2]} minutes." in str(notebook.cells)
-    assert f"The third sitting takes {stated[3]} minutes." in str(notebook.cells)
 
 
 def test_the_picture_of_the_quarter_turn_is_right(lesson_run):

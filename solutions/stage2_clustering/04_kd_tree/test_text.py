@@ -2,13 +2,10 @@
 
 import functools
 import math
-import re
 
-import nbformat
 import numpy as np
 import pytest
 
-from grader.course import durations
 from grader.course.lessons import find_lesson
 from tests.lesson_texts import run_statements_for
 from utils.datasets import DATA
@@ -39,18 +36,6 @@ def places(tree):
 
 def prose():
     return LESSON.source.read_text("utf-8")
-
-
-def test_the_stated_minutes_of_the_sittings_agree_with_the_estimate():
-    notebook = nbformat.read(LESSON.solved, as_version=4)
-    first, second, third = (int(n) for n in re.search(
-        r"three sittings of about (\d+), (\d+) and (\d+) minutes", prose()).groups())  # fmt: skip
-    estimated = np.array(durations.sitting_minutes(notebook))
-    scale = durations.stated_minutes(notebook) / estimated.sum()
-    assert scale * estimated == pytest.approx([first, second, third], rel=0.1)
-    assert first + second + third == durations.stated_minutes(notebook)
-    assert f"In the next sitting ({second} minutes)" in prose()
-    assert f"In the last sitting ({third} minutes)" in prose()
 
 
 def test_a_strip_along_one_axis_contains_far_too_many_points():

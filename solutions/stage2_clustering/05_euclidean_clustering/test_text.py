@@ -1,9 +1,7 @@
 """Tests of the statements in lesson 05, with an answer that follows its hints."""
 
-import re
 from collections import deque
 
-import nbformat
 import numpy as np
 import pytest
 from scipy.cluster.hierarchy import cophenet, linkage
@@ -11,8 +9,6 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import pdist, squareform
 from sklearn.cluster import DBSCAN
 
-from grader.course import durations
-from grader.course.lessons import find_lesson
 from tests.lesson_texts import kept_function, run_statements_for
 
 LESSON = "05_euclidean_clustering"
@@ -44,14 +40,6 @@ def same_partition(first, second):
 
 def in_space(points):
     return np.column_stack([points, np.zeros(len(points))])
-
-
-def test_the_sittings_take_as_long_as_stated():
-    notebook = nbformat.read(find_lesson("05_euclidean_clustering").solved, as_version=4)
-    stated = re.search(r"two sittings of (\d+) and (\d+)", notebook.cells[0].source)
-    minutes = durations.sitting_minutes(notebook)
-    assert minutes == pytest.approx([int(number) for number in stated.groups()], rel=0.1)
-    assert f"The second sitting takes {stated[2]} minutes." in str(notebook.cells)
 
 
 def test_close_points_are_the_ego_car_or_invalid(street):

@@ -4,12 +4,10 @@ import json
 import re
 from time import process_time
 
-import nbformat
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from grader.course import durations
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson, load_reference
 from grader.intake.preflight import prepare
@@ -366,13 +364,6 @@ def test_the_first_argsort_lists_pieces_and_the_second_finds_their_places():
     in_order = np.argsort(start)
     assert names[in_order].tolist() == list(dict.fromkeys(pieces.tolist()))
     assert np.argsort(in_order).tolist() == [in_order.tolist().index(row) for row in range(3)]
-
-
-def test_the_two_sittings_take_as_long_as_stated():
-    text = find_lesson(NAME).source.read_text("utf-8")
-    stated = re.search(r"two sittings of (\d+) and (\d+) minutes", text).groups()
-    notebook = nbformat.read(find_lesson(NAME).solved, as_version=4)
-    assert durations.sitting_minutes(notebook) == pytest.approx([*map(int, stated)], rel=0.1)
 
 
 @pytest.mark.slow

@@ -1,18 +1,15 @@
 """Tests of the statements in lesson 11 about headings, areas and mistakes, with its own scan."""
 
-import re
 import time
 from types import SimpleNamespace
 
-import nbformat
 import numpy as np
 import pytest
 import shapely
 from scipy.spatial.transform import Rotation
 
-from grader.course import durations
 from grader.course.kept_answers import answers_to
-from grader.course.lessons import find_lesson, load_reference
+from grader.course.lessons import load_reference
 from utils import load_cloud
 from utils.boxes import Box
 from utils.datasets import DATA
@@ -311,15 +308,6 @@ def test_forty_clusters_are_boxed_quickly():
         LESSON.get_oriented_boxes(cloud, labels)
         times.append(time.process_time() - start)
     assert min(times) < 0.2  # generous, although a whole frame may take only 0.1 s
-
-
-def test_the_three_sittings_take_as_long_as_stated():
-    text = find_lesson(NAME).source.read_text("utf-8")
-    stated = re.search(r"three sittings of (\d+), (\d+) and (\d+) minutes", text).groups()
-    notebook = nbformat.read(find_lesson(NAME).solved, as_version=4)
-    estimated = np.array(durations.sitting_minutes(notebook))
-    scale = durations.stated_minutes(notebook) / estimated.sum()
-    assert scale * estimated == pytest.approx([*map(int, stated)], rel=0.1)
 
 
 def test_points_and_lines_have_boxes():

@@ -417,6 +417,7 @@ def sweep(parameter, values):
 # %% tags=["folded"]
 # @title Two curves with their errors (you need not read this)
 def draw_sweep(swept, values, across, axes):
+    """Draw three curves with their errors."""
     rows = zip(("precision", "recall", "F1"), swept)
     plots.curves({row: (values, line) for row, (line, _) in rows}, across=across, up="share", axes=axes)
     for line, (points, errors) in zip(axes.lines, swept):

@@ -6,12 +6,10 @@ import re
 from collections import Counter
 from types import SimpleNamespace
 
-import nbformat
 import numpy as np
 import pytest
 from matplotlib.path import Path
 
-from grader.course import durations
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
 from utils import load_my_functions, scenes, scoring
@@ -699,13 +697,6 @@ def test_stored_answers_are_listed_and_sittings_are_marked():
     cells = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     stops = sum("**A good place to stop.**" in "".join(cell["source"]) for cell in cells)
     assert stops == 2
-
-
-def test_the_lesson_takes_three_sittings_of_the_stated_minutes():
-    sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
-    (time,) = re.findall(r"in three sittings: .*", TEXT)
-    stated = [int(minutes) for minutes in re.findall(r"about (\d+)", time)]
-    assert max(stated) <= 90 and np.abs(np.subtract(sittings, stated)).max() <= 5
 
 
 def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
