@@ -207,7 +207,7 @@ def draw(record: dict, path: Path) -> None:
 
     figure, axes = plt.subplot_mosaic(
         [["clusters", "growth"], ["boxes", "growth"]],
-        figsize=(11, 5.5),
+        figsize=(13, 5.5),
         height_ratios=(8, 3),
         layout="constrained",
     )
@@ -219,8 +219,7 @@ def draw(record: dict, path: Path) -> None:
         style = {"marker": "os^vD<>PX"[number], "color": COLOURS[number]}
         axes["growth"].loglog(series["points"], series["seconds"], label=label, **style)
     axes["growth"].set(xlabel="points", ylabel="s", title="Turns of the scanner, side by side")
-    axes["growth"].legend(fontsize="small", frameon=False, loc="upper left", ncols=2)
-    axes["growth"].margins(y=0.25)
+    axes["growth"].legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1, 1))
     figure.supxlabel(
         f"Shortest of {record['rounds']} rounds. {record['machine']}", fontsize="small"
     )
