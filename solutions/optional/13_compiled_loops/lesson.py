@@ -280,7 +280,7 @@ if ready(root_of, unite):
 @njit
 def any_close(points, a, a_end, b, b_end, limit):
     """Return whether a point in rows a to a_end is closer than sqrt(limit) to one in b to b_end."""
-    # 1. For each row of one cell and each row of the other:
+    # 1. For each row of one run and each row of the other:
     # 2.     compute the square of their distance from three differences.
     # 3.     If it is below the limit, return True at once.
     # roughly 8 lines

@@ -20,8 +20,8 @@ from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
-# Rows 1 to 3 and rows 5 to 7 are the two cells. Their closest points, rows 3 and 7, are 0.51 m
-# apart; all other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell, but they are
+# Rows 1 to 3 and rows 5 to 7 are the two runs. Their closest points, rows 3 and 7, are 0.51 m
+# apart; all other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither run, but they are
 # closer than 0.45 m to row 3 or row 7, so reading them changes an answer.
 _ROWS = frozen(
     np.array(
@@ -44,7 +44,7 @@ _ABOVE, _BELOW = 0.6, 0.45
 
 
 def _squared_distances(points: np.ndarray, a: int, a_end: int, b: int, b_end: int) -> np.ndarray:
-    """Return the squared distances of all pairs of points from two cells."""
+    """Return the squared distances of all pairs of points from two runs."""
     return ((points[a:a_end, None, :3] - points[None, b:b_end, :3]) ** 2).sum(axis=-1)
 
 
@@ -65,10 +65,10 @@ def _rows_text(points: np.ndarray, first: int, end: int) -> str:
     return f"{rows}: {points_text(points[first:end])}"
 
 
-def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distance: float) -> None:
-    yours = _as_bool(any_close(points.copy(), *cells, distance**2))
-    a, a_end, b, b_end = cells
-    right = np.sqrt(_squared_distances(points, *cells).min()) < distance
+def _assert_answer(any_close: Callable, points: np.ndarray, runs: tuple, distance: float) -> None:
+    yours = _as_bool(any_close(points.copy(), *runs, distance**2))
+    a, a_end, b, b_end = runs
+    right = np.sqrt(_squared_distances(points, *runs).min()) < distance
     if yours != right:
         raise CheckFailed(
             f"Two of these points are closer than {distance:g} m."
@@ -98,29 +98,29 @@ def compares_squares(any_close: Callable) -> None:
 
 @visible_check(
     "any_close",
-    title="Compares each point of one cell with each point of the other",
-    why="Any pair may be the closest: the first points of both cells, or the last.",
+    title="Compares each point of one run with each point of the other",
+    why="Any pair may be the closest: the first points of both runs, or the last.",
     hint="Write a loop inside a loop. Return True inside both loops if a pair is close, and "
     "return False after both loops.",
 )
 def compares_all_pairs(any_close: Callable) -> None:
     with precondition("the squared distance is compared with the limit"):
         compares_squares(any_close)
-    cell_points = np.delete(_ROWS, [0, 4, 8], axis=0)
+    run_points = np.delete(_ROWS, [0, 4, 8], axis=0)
     for rows in ([0, 1, 2, 3, 4, 5], [2, 0, 1, 3, 5, 4], [5, 4, 3, 2, 1, 0], [0, 2, 1, 5, 3, 4]):
         for distance in (_ABOVE, _BELOW):
-            _assert_answer(any_close, cell_points[rows], (0, 3, 3, 6), distance)
+            _assert_answer(any_close, run_points[rows], (0, 3, 3, 6), distance)
 
 
 @visible_check(
     "any_close",
-    title="Reads only the rows of the two cells",
+    title="Reads only the rows of the two runs",
     why="A compiled function reads beyond its rows without an error. It then uses a point of the "
-    "next cell, or whatever is in memory.",
+    "next run, or whatever is in memory.",
     hint="Loop over range(a, a_end), which begins at a and ends before a_end.",
 )
 def reads_only_its_rows(any_close: Callable) -> None:
-    with precondition("each point of one cell is compared with each point of the other"):
+    with precondition("each point of one run is compared with each point of the other"):
         compares_all_pairs(any_close)
     for points in (_ROWS, _ROWS[::-1]):
         for distance in (_ABOVE, _BELOW):
@@ -150,12 +150,12 @@ def is_strict(any_close: Callable) -> None:
 @visible_check(
     "any_close",
     title="Stops at the first close pair",
-    why="Two crowded cells may have a million pairs, and a loop that stops early rarely needs "
+    why="Two long runs may have thousands of pairs, and a loop that stops early rarely needs "
     "them all.",
     hint="Write return True inside both loops. It ends both loops and the function.",
 )
 def stops_at_the_first_close_pair(any_close: Callable) -> None:
-    with precondition("each point of one cell is compared with each point of the other"):
+    with precondition("each point of one run is compared with each point of the other"):
         compares_all_pairs(any_close)
     n = 20
     index = np.arange(2 * n) % n
@@ -171,7 +171,7 @@ def stops_at_the_first_close_pair(any_close: Callable) -> None:
     if not _as_bool(any_close(points.view(CountingArray), 0, n, n, 2 * n, 0.1)) or reads > n:
         raise CheckFailed(
             "The function continues although the answer is already known.",
-            input_text=f"two cells of {n} points, whose first points are at the same position",
+            input_text=f"two runs of {n} points, whose first points are at the same position",
             yours=f"{reads} values read from points",
             expected="6 values",
         )
@@ -180,7 +180,7 @@ def stops_at_the_first_close_pair(any_close: Callable) -> None:
 @visible_check(
     "any_close",
     title="Does not change the points",
-    why="Other calls compare the same rows with other cells.",
+    why="Other calls compare the same rows with other runs.",
     hint="Store the differences in new variables.",
 )
 def keeps_the_points_unchanged(any_close: Callable) -> None:
@@ -203,15 +203,15 @@ def _is_close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit:
 def _prediction_from_squares(decide: Callable) -> Callable:
     """Return a prediction that `decide` makes from the squared distances and the limit."""
 
-    def predict(right: bool, points: np.ndarray, *cells_and_limit: float) -> bool:
-        *cells, limit = cells_and_limit
-        return bool(decide(_squared_distances(points, *cells), limit))
+    def predict(right: bool, points: np.ndarray, *runs_and_limit: float) -> bool:
+        *runs, limit = runs_and_limit
+        return bool(decide(_squared_distances(points, *runs), limit))
 
     return predict
 
 
 def _prediction_with_shifted_rows(first: int, last: int) -> Callable:
-    """Return the prediction for cells that begin `first` rows and end `last` rows later."""
+    """Return the prediction for runs that begin `first` rows and end `last` rows later."""
     return lambda right, points, a, a_end, b, b_end, limit: _is_close(
         points, a + first, a_end + last, b + first, b_end + last, limit
     )
@@ -243,7 +243,7 @@ declare_mistakes(
         "Indent return False like the outer `for`, after both loops.",
     ),
     Mistake(
-        "The function compares only the first point of the first cell, because `return False` is "
+        "The function compares only the first point of the first run, because `return False` is "
         "inside the outer loop.",
         _prediction_from_squares(lambda squares, limit: (squares[0] < limit).any()),
         "Indent return False like the outer `for`, after both loops.",
@@ -257,18 +257,18 @@ declare_mistakes(
         lambda right, *case: not right,
     ),
     Mistake(
-        "The code also reads the row after each cell. The rows a_end and b_end do not belong to "
-        "the cells.",
+        "The code also reads the row after each run. The rows a_end and b_end do not belong to "
+        "the runs.",
         _prediction_with_shifted_rows(0, 1),
         "Use range(a, a_end), which already ends before a_end.",
     ),
     Mistake(
-        "The code never reads the last row of each cell.",
+        "The code never reads the last row of each run.",
         _prediction_with_shifted_rows(0, -1),
         "Use range(a, a_end), which already ends before a_end.",
     ),
     Mistake(
-        "The code never reads the first row of each cell.",
+        "The code never reads the first row of each run.",
         _prediction_with_shifted_rows(1, 0),
         "Use range(a, a_end), which begins at a.",
     ),
