@@ -2,4 +2,4 @@
 
 
 class UserError(Exception):
-    """A problem that the user can solve; `str()` is the sentence to show."""
+    """A problem that the user can solve, in any command; `str()` is the sentence to show."""
