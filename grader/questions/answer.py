@@ -29,7 +29,7 @@ TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
 # Fewer edits of a long answer are tried, because running each of its versions takes longer. This is
 # the largest number of edits times the number of lines.
-MAX_EDITED_LINES = 3000
+MAX_EDITED_LINES = 2500
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 # Functions of `numpy.linalg` with results that students cannot compute on paper.
 DECOMPOSITION = re.compile(r"\b(svd|eigh?)\b")
@@ -271,11 +271,14 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
                 break
             part = versions[begin : begin + VERSIONS_PER_REQUEST]
             rows = [list(edit.row) for edit in part]
+            # A separate name, so that versions that hang do not shorten the time of the next call.
+            student.exercise = f"versions from {begin}"
             try:
                 runs = _runs(student.run_cases(rows, codes, watched), number_of)
             except StudentStopped as stopped:
                 if not stopped.out_of_time:
                     raise
+                student.exercise = ""
                 student.read_answer(*answer.request)  # in a new process
                 continue
             by_edit |= {edit: run for edit, run in zip(part, runs, strict=False) if run}
