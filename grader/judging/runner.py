@@ -1,18 +1,14 @@
 """Run the checks of a lesson in this process, which never executes student code.
 
-Visible checks run as in the notebook. Pytest collects the hidden tests of a lesson only once per
-process, because collecting them takes as long as running them. Settings in the environment,
-plugins and ``conftest.py`` files have no effect.
+Visible checks run as in the notebook. Hidden tests are functions that pytest has collected.
 """
 
 from __future__ import annotations
 
 import contextlib
 import functools
-import hashlib
 import importlib
 import itertools
-import os
 import signal
 import threading
 import time
@@ -20,15 +16,12 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-import pytest
 
 from grader.course.lessons import Lesson
-from grader.judging.hidden_tests import check_of
+from grader.judging.collection import HiddenTest, collect_hidden_tests
 from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -49,32 +42,10 @@ MAX_TOO_LARGE = 5
 # If a check fails, a reply with more bytes than this counts as such an answer. The largest scan
 # needs less than 12 MB, even as a list of rows.
 MAX_REPLY_BYTES = 12 * 2**20
-# Pytest plugins that hidden tests do not need.
-_NOT_NEEDED = (
-    *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
-    *("legacypath", "logging", "pastebin", "recwarn", "reports", "setuponly", "setupplan"),
-    *("skipping", "stepwise", "subtests", "terminal", "threadexception", "unittest"),
-    "unraisableexception",
-)
-_OPTIONS = (
-    "--collect-only",
-    "--noconftest",
-    "--import-mode=importlib",
-    f"--rootdir={os.sep}",
-    "-c",
-    os.devnull,
-    "-o",
-    "markers=judged: belongs to an exercise",
-    *(option for plugin in _NOT_NEEDED for option in ("-p", f"no:{plugin}")),
-)
 
 
 class JudgeTimeout(Exception):
     """Comparing an answer took longer than it takes for any right answer."""
-
-
-class JudgeFault(Exception):
-    """The tests themselves could not be run. This is the course's fault, not the student's."""
 
 
 # Exceptions that a wrong answer may cause in a check. Any other exception may be the check's fault.
@@ -114,7 +85,7 @@ class _Runner:
         try:
             with self.under_test(check):
                 call(self.proxy, *arguments)
-        except (Exception, pytest.fail.Exception, pytest.skip.Exception) as caught:
+        except Exception as caught:
             error = caught
         self.record(check, error)
 
@@ -192,64 +163,6 @@ class _UntouchedRunner(_Runner):
         raise StudentError(check.exercise, "NotImplementedError")
 
 
-@dataclass(frozen=True)
-class HiddenTest:
-    """A hidden test that can run for any student, and more than once.
-
-    Attributes
-    ----------
-    check : utils.checks.Check
-    function : callable
-    arguments : dict of str to object
-        All arguments except the student.
-    takes_student : bool
-    """
-
-    check: Check
-    function: Callable[..., object]
-    arguments: dict[str, object]
-    takes_student: bool
-
-    def __call__(self, student: StudentProxy) -> None:
-        """Raise an exception for a wrong answer."""
-        others = {"student": student} if self.takes_student else {}
-        self.function(**self.arguments, **others)
-
-
-class _Collector:
-    """A pytest plugin that stores the hidden tests, which pytest only collects."""
-
-    def __init__(self, seed: int) -> None:
-        self._seed = seed
-        self.tests: list[HiddenTest] = []
-        self.complaints: list[str] = []
-        self.interrupted = False
-
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Store each test with its arguments."""
-        for item in items:
-            arguments = {**item.callspec.params} if hasattr(item, "callspec") else {}
-            names = [name for name in item.fixturenames if name not in arguments]
-            if others := {*names} - {"student", "seed"}:
-                self.complaints.append(
-                    f"{item.name} takes {', '.join(sorted(others))}. A hidden test may take "
-                    "student, seed and the parameters of pytest.mark.parametrize."
-                )
-                continue
-            if "seed" in names:
-                arguments["seed"] = self._seed
-            self.tests.append(HiddenTest(check_of(item), item.obj, arguments, "student" in names))
-
-    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Record why a test file could not be read."""
-        if report.failed:
-            self.complaints.append(str(report.longrepr))
-
-    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
-        """Record whether the run was interrupted by a person and not by pytest itself."""
-        self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
-
-
 def _call_visible_check(student: StudentProxy, check: Check) -> None:
     check.run(getattr(student, object_to_diagnose(check.exercise)))
 
@@ -270,7 +183,7 @@ def hidden_calls(
     names = {check.name for check in checks if not check.is_shown}
     if not names:
         return ()
-    tests = _hidden_tests(lesson.tests, seed)
+    tests = collect_hidden_tests(lesson.tests, seed)
     return tuple(functools.partial(test, student) for test in tests if test.check.name in names)
 
 
@@ -349,7 +262,7 @@ def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
 
 def _run_all_checks(lesson: Lesson, seed: int, runner: _Runner) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # registers the checks
-    hidden_tests = _hidden_tests(lesson.tests, seed)
+    hidden_tests = collect_hidden_tests(lesson.tests, seed)
     with cached_run():
         for exercise in lesson.machine_graded:
             for check in filter(runner.selected, checks_of(exercise.name)):
@@ -360,49 +273,6 @@ def _run_all_checks(lesson: Lesson, seed: int, runner: _Runner) -> list[Outcome]
     if runner.sandbox_error:
         raise runner.sandbox_error
     return [*runner.outcomes.values()]
-
-
-@functools.cache
-def _hidden_tests(file: Path, course_seed: int) -> tuple[HiddenTest, ...]:
-    """Return the hidden tests in a file.
-
-    Raises
-    ------
-    JudgeFault
-        If the tests cannot be collected.
-    KeyboardInterrupt
-        Pytest catches it, so it is raised again here.
-    """
-    # Verdicts of earlier releases depend on this text, so it must not change.
-    text = f"{course_seed} test_{file.parent.name}.py"
-    collector = _Collector(int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big"))
-    # Without this option, pytest searches all parent folders for configuration.
-    option = f"--confcutdir={file.parent}"
-    with _plain_environment():
-        code = int(pytest.main([str(file), option, *_OPTIONS], plugins=[collector]))
-    if collector.interrupted:
-        raise KeyboardInterrupt
-    if collector.complaints or not collector.tests:
-        raise JudgeFault(
-            f"pytest cannot collect the tests in {file.parent.name}/{file.name} "
-            f"(exit code {code}). Run pytest on this file to see why."
-            + "".join(f"\n{complaint}" for complaint in collector.complaints)
-        )
-    return tuple(collector.tests)
-
-
-@contextlib.contextmanager
-def _plain_environment() -> Iterator[None]:
-    """Hide pytest's environment variables inside a with statement."""
-    before = {name: text for name, text in os.environ.items() if name.startswith(("PYTEST", "PY_"))}
-    for name in before:
-        del os.environ[name]
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
-    try:
-        yield
-    finally:
-        del os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"]
-        os.environ.update(before)
 
 
 @contextlib.contextmanager
