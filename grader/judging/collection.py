@@ -52,7 +52,7 @@ _OPTIONS = (
 _JUDGED = "judged"  # the mark that `hidden` returns
 _ARGUMENTS = ("student", "seed")
 _ALLOWED = "student, seed and the parameters of pytest.mark.parametrize"
-_TEST_FUNCTION = re.compile(r"^def (test_?\w*)\(", re.MULTILINE)
+_TEST_FUNCTION = re.compile(r"^def (test\w*)\(", re.MULTILINE)
 _RANDOM_GENERATORS = (np.random.Generator, np.random.RandomState, random.Random)
 
 
@@ -240,8 +240,9 @@ def _is_fixture(value: object) -> bool:
 
 
 def _is_judged(value: object) -> bool:
-    marks = getattr(value, "pytestmark", ())
-    return isinstance(marks, list) and any(getattr(mark, "name", "") == _JUDGED for mark in marks)
+    # `getattr` would create a mark of this name if the value is `pytest.mark`.
+    marks = getattr(value, "__dict__", {}).get("pytestmark", ())
+    return any(mark.name == _JUDGED for mark in marks)
 
 
 def _names_to_fill(item: pytest.Item) -> list[str]:
