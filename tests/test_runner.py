@@ -349,7 +349,7 @@ def test_sizes(size, student, seed):
     student.f(size, seed)
 
 @hidden("g", **about)
-def test_nothing():
+def test_nothing(*more, about=None, **others):
     pass
 """
     lesson, collections = make_lesson(hidden), []
@@ -420,6 +420,26 @@ def test_numbers_in_a_wrong_answer_cause_no_warnings(make_lesson):
         make_lesson(f"import numpy as np\n{hidden}", checks), RecordingStudent(), SEED
     )
     assert failure_types(outcomes) == {"test_first": CheckFailed}
+
+
+def test_an_import_is_not_interrupted(make_lesson, monkeypatch, tmp_path):
+    """A module whose import was interrupted would be unusable for all later students."""
+    package = tmp_path / "slow_package"
+    package.mkdir()
+    (package / "part.py").write_text("VALUE = 7")
+    slow = (
+        "import slow_package.part\nfor _ in range(2 * 10**7): pass\nVALUE = slow_package.part.VALUE"
+    )
+    (package / "__init__.py").write_text(slow)
+    monkeypatch.syspath_prepend(tmp_path)
+    body = "import slow_package; student.g(slow_package.VALUE)"
+    lesson = make_lesson(TWO_TESTS.replace('student.g("second")', body))
+    with monkeypatch.context() as patch:
+        patch.setattr(runner, "TEST_SECONDS", 0.05)
+        run_checks(lesson, RecordingStudent(), SEED)
+    student = RecordingStudent()
+    assert "test_second" not in failure_types(run_checks(lesson, student, SEED))
+    assert student.calls[0] == ("g", "g", 7)
 
 
 def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(make_lesson, monkeypatch):

@@ -246,9 +246,13 @@ def _is_judged(value: object) -> bool:
 
 
 def _names_to_fill(item: pytest.Item) -> list[str]:
-    """Return the names of a test's parameters without default values."""
-    parameters = inspect.signature(item.function).parameters.values()
-    return [parameter.name for parameter in parameters if parameter.default is parameter.empty]
+    """Return the names of a test's parameters for which pytest needs a value."""
+    kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return [
+        parameter.name
+        for parameter in inspect.signature(item.function).parameters.values()
+        if parameter.kind in kinds and parameter.default is parameter.empty
+    ]
 
 
 @contextlib.contextmanager

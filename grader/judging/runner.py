@@ -10,12 +10,14 @@ import functools
 import importlib
 import itertools
 import signal
+import sys
 import threading
 import time
 import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from types import FrameType
 from typing import NoReturn
 
 import numpy as np
@@ -36,6 +38,8 @@ from utils.checks.run_cache import cached_run
 # Limit on the processor seconds of one test in this process, without the student's code. The limit
 # also applies to all failed checks of an exercise together, in all runs with the same budget.
 TEST_SECONDS = 15.0
+# The limit is extended by this time, repeatedly, while a module is being imported.
+IMPORT_POLLING_INTERVAL = 0.02
 # An exercise is not called again after this many answers that are far too large, because reading
 # each one takes seconds.
 MAX_TOO_LARGE = 5
@@ -275,6 +279,15 @@ def _run_all_checks(lesson: Lesson, seed: int, runner: _Runner) -> list[Outcome]
     return [*runner.outcomes.values()]
 
 
+def _import_depth(frame: FrameType | None) -> int:
+    """Return how many frames belong to imports, among a frame and its callers."""
+    depth = 0
+    while frame is not None:
+        depth += frame.f_code.co_filename.startswith("<frozen importlib")
+        frame = frame.f_back
+    return depth
+
+
 @contextlib.contextmanager
 def limited_cpu_time(seconds: float) -> Iterator[threading.Event]:
     """Raise `JudgeTimeout` after this many processor seconds, inside a with statement.
@@ -289,7 +302,13 @@ def limited_cpu_time(seconds: float) -> Iterator[threading.Event]:
         yield is_over  # Python can be interrupted only in the main thread
         return
 
-    def raise_timeout(*signal_and_frame: object) -> None:
+    depth = _import_depth(sys._getframe())
+
+    def raise_timeout(number: int, frame: FrameType | None) -> None:
+        if _import_depth(frame) > depth:
+            # An interrupted import could leave a module unusable, for all later students as well.
+            signal.setitimer(signal.ITIMER_PROF, IMPORT_POLLING_INTERVAL)
+            return
         is_over.set()
         raise JudgeTimeout
 
