@@ -155,6 +155,8 @@ def print_verdict(verdict: Verdict, excluded: Collection[str] = ()) -> None:
     for sentence in verdict.problems:
         console.print(f"! {printable_text(sentence)}", markup=False)
     if verdict.status == FAILED:
+        for line in "\n".join(verdict.faults).splitlines():
+            _print_with_mark(console, "", line, "dim")
         console.print(f"\n{verdict.lesson}: not judged", style="bold", markup=False)
         return
     for exercise in verdict.exercises:

@@ -25,7 +25,8 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
 from grader.judging import judge as judging
 from grader.judging import program_run
-from grader.judging.runner import JudgeFault, run_checks
+from grader.judging.collection import JudgeFault
+from grader.judging.runner import run_checks
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, time_budget, usage
 from grader.sandbox.failures import StudentStopped

@@ -297,6 +297,21 @@ def test_an_interrupted_function_can_be_called_again(sandbox):
             student.works(1)
 
 
+@pytest.mark.parametrize("edited", ["f", ""])
+def test_the_imports_of_a_function_do_not_count_as_a_call_of_its_edits(sandbox, edited):
+    """With an edit, a call has so little time that an import would be interrupted."""
+    source = """
+import sys
+def f():
+    is_imported = "colorsys" in sys.modules
+    from colorsys import rgb_to_hsv
+    return is_imported
+"""
+    program = Program((source,), ("f",))
+    with StudentProxy(program, sandbox, edited=edited) as student:
+        assert student.f() is bool(edited)
+
+
 def test_a_notebook_that_is_too_large_to_send_is_not_accused(sandbox):
     program = Program(("x = 1",), ("f",), {"big": "7" * 2**24})
     words = "larger than the judge can send to the sandbox"

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
+from grader.judging.collection import JudgeFault
 from grader.judging.runner import (
     TEST_SECONDS,
-    JudgeFault,
     JudgeTimeout,
     every_check,
     exercises_with_notes,

@@ -30,7 +30,10 @@ from grader.sandbox.usage import (
 MEMORY_POLLING_INTERVAL = 0.2
 SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
-PIPE_BYTES = 2**20  # as much as Linux lets an ordinary user request
+# An ordinary user may request 1 MiB for a pipe. If a user's pipes have more than 64 MiB in total,
+# Linux gives each further pipe of this user only 8 KiB, even in other programs. A notebook on each
+# processor needs up to four pipes, and the other half of the 64 MiB is left to other programs.
+LARGEST_PIPE, USUAL_PIPE, MAX_PIPES_TOTAL = 2**20, 2**16, 2**25
 KILLED_CODES = (-signal.SIGKILL, 128 + signal.SIGKILL)
 MIN_MEMORY_LEFT = 0.03
 MEMORY_WHEN_SCARCE = 1024 * MEBIBYTE
@@ -225,7 +228,12 @@ def launch(
 def _enlarge(pipe: int) -> None:
     """Enlarge a pipe, so that a large message needs fewer switches between the two processes."""
     with contextlib.suppress(AttributeError, OSError):  # not Linux, or too many large pipes
-        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, pipe_bytes(os.cpu_count() or 1))
+
+
+def pipe_bytes(processors: int) -> int:
+    """Return the size of a pipe to a worker on a machine with this many processors."""
+    return max(USUAL_PIPE, min(LARGEST_PIPE, MAX_PIPES_TOTAL // (4 * processors)))
 
 
 def send_rules(worker: Worker, rules: dict) -> None:

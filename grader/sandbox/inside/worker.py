@@ -11,6 +11,7 @@ import ast
 import builtins
 import contextlib
 import dataclasses
+import importlib
 import operator
 import os
 import resource
@@ -108,6 +109,7 @@ def main(read_end: int, write_end: int) -> None:
     namespace = make_namespace()
     failures = run(needed, namespace)
     add_missing_methods(redefined, notebook["given"]["source"], namespace)
+    import_in_advance(definitions)
     missing = undefined_names(namespace, notebook["names"], redefined)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
@@ -328,6 +330,17 @@ def definitions_of(
         for statement in slicing.slice_for(answer_names, statements)
         if statement.cell and isinstance(statement.node, kinds) and not statement.binds & others
     ]
+
+
+def import_in_advance(definitions: list[slicing.Statement]) -> None:
+    """Import the modules that functions import when they are called.
+
+    In the search for an edit, each call has a short time limit. An import that is interrupted there
+    could leave a module unusable for all further edits.
+    """
+    for _, module in slicing.imported_modules(definitions):
+        with contextlib.suppress(BaseException):  # the name may also belong to a function
+            importlib.import_module(module)
 
 
 def define_with_edit(
