@@ -1,4 +1,4 @@
-"""Visible checks of `coast`, a step of the tracker that gives no points."""
+"""Visible checks of `coast`."""
 
 from __future__ import annotations
 

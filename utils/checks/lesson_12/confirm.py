@@ -1,4 +1,4 @@
-"""Visible checks of `confirm`, a step of the tracker that gives no points."""
+"""Visible checks of `confirm`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Visible checks of `correct_boxes`, a step of the tracker that gives no points."""
+"""Visible checks of `correct_boxes`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Visible checks of `predict_boxes`, a step of the tracker that gives no points."""
+"""Visible checks of `predict_boxes`."""
 
 from __future__ import annotations
 
