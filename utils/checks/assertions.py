@@ -100,7 +100,7 @@ def brief_text(value: object) -> str:
 
 
 def point_text(point: ArrayLike, digits: int = 2) -> str:
-    """Return a point as text, (x, y) or (x, y, z), rounded to the centimetre.
+    """Return a point as text, (x, y) or (x, y, z), with rounded coordinates.
 
     Parameters
     ----------
@@ -113,14 +113,14 @@ def point_text(point: ArrayLike, digits: int = 2) -> str:
 
 
 def points_text(points: np.ndarray, digits: int = 2) -> str:
-    """Return points as text, such as "(1, 2, 0), (3, 4.5, 0)", rounded to the centimetre.
+    """Return points as text, such as "(1, 2, 0), (3, 4.5, 0)".
 
     Parameters
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
         A fourth column is ignored.
     digits : int
-        Number of decimal places.
+        Largest number of decimal places.
     """
     rounded = (np.round(np.asarray(points, dtype=float)[:, :3], digits) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
@@ -671,9 +671,9 @@ def time_call(function: Callable, *arguments: object) -> tuple[object, float]:
     if isinstance(function, RemoteObject):
         return function.timed(*arguments)
     copies = copy.deepcopy(arguments)
-    begin = time.process_time()
+    start = time.process_time()
     answer = function(*copies)
-    return answer, time.process_time() - begin
+    return answer, time.process_time() - start
 
 
 def call_each(function: Callable, calls: Iterable[tuple]) -> list:
@@ -771,7 +771,7 @@ def _rounded(rows: np.ndarray) -> list[bytes]:
     rounded = np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
     data = rounded.tobytes()
     size = len(data) // max(1, len(rounded)) or 1
-    return [data[begin : begin + size] for begin in range(0, len(data), size)]
+    return [data[start : start + size] for start in range(0, len(data), size)]
 
 
 def _row_count_text(rows: np.ndarray) -> str:

@@ -237,7 +237,7 @@ def promise_untouched(
 
 
 def extend_arguments(arguments: Mapping[str, object]) -> dict[str, object]:
-    """Extend the arguments of a call with everything that a function might overwrite.
+    """Add values that a function might overwrite but a simple call lacks.
 
     Clouds get intensities, labels get zeros, and lines and planes get an offset from the origin.
 
