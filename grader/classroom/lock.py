@@ -1,4 +1,4 @@
-"""A lock that allows only one grading run per course at a time."""
+"""A lock that allows only one command at a time to change the data of a course."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ except ImportError:  # Windows
 
 
 class AlreadyRunning(Exception):
-    """Another process is grading this course; the message is shown to the user."""
+    """Another process is changing the data of this course; the message is shown to the user."""
 
 
 @contextlib.contextmanager

@@ -67,7 +67,7 @@ class Owner:
     names : tuple of str
         Possible names on the roster, the most likely first.
     lms_id, participant, logins : str, str, tuple of str
-        Canvas user id, Moodle participant number, GitHub logins.
+        Canvas user ID, Moodle participant number, GitHub logins.
     guesses : tuple of str
         Possible logins and names, to be confirmed by the instructor.
     members : tuple of (tuple of str)
