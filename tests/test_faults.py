@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from grader import cli, commands
+from grader import cli, commands, grading
 from grader.classroom import doctor, grade, rehearsals
 from grader.classroom.executors import EXECUTORS, processor_count
 from grader.classroom.pool import Pool
@@ -228,7 +228,7 @@ def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, m
         grade_class(course, sandbox)
     assert not list(course.verdicts.rglob("*.json"))
     monkeypatch.setitem(EXECUTORS, "processes", InlineExecutor)
-    assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
+    assert grading.grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
     assert "No notebook was graded" in capsys.readouterr().err
 
 

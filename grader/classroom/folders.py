@@ -9,12 +9,13 @@ from pathlib import Path
 from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.course.roster import Person, Roster, letters_and_digits, read_roster, roster_path
+from grader.errors import UserError
 
 MAX_SUGGESTIONS = 3
 
 
-class UnknownStudent(Exception):
-    """A text matches no student or several students; the message is shown to the user."""
+class UnknownStudent(UserError):
+    """A text matches no student or several students; `str()` says what to do."""
 
 
 def find_student(course: Course, text: str) -> str:

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
+from grader.errors import UserError
 
-class CollectError(Exception):
-    """Nothing can be collected; the message is shown to the user."""
+
+class CollectError(UserError):
+    """Nothing can be collected; `str()` says why and what to do."""
 
 
 class UnreadableFile(Exception):
