@@ -31,14 +31,9 @@ SAMPLE_SEED, SAMPLE_QUESTIONS = 20_170_405, 3  # for the sample class of `demo`
 
 def run_new(options: argparse.Namespace) -> int:
     """Run the command ``new NN_NAME``."""
-    from grader.authoring.skeleton import UnusableName, write_skeleton
+    from grader.authoring.skeleton import write_skeleton
 
-    try:
-        written = write_skeleton(options.name, options.stage)
-    except UnusableName as error:
-        print(error, file=sys.stderr)
-        return USAGE_ERROR
-    for path in written:
+    for path in write_skeleton(options.name, options.stage):
         print("wrote", path.relative_to(PROJECT))
     number = options.name[:2]
     print(f"Edit these files. To list what is missing, run: python -m grader try {number}")
@@ -61,8 +56,7 @@ def run_try(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return USAGE_ERROR
-    if _write_generated_files(options.parser) == FAULT:
-        return FAULT
+    _write_generated_files(options.parser)
     sandbox = choose_sandbox(options.sandbox)
     console.warn_if_unprotected(sandbox)
     findings = []
@@ -88,24 +82,20 @@ def run_build(options: argparse.Namespace) -> int:
         faults = [*build.check(), *documentation.check(options.parser)]
         print("\n".join(faults) if faults else "All generated files are up to date.")
         return FAULT if faults else SUCCESS
-    return _write_generated_files(options.parser)
+    _write_generated_files(options.parser)
+    return SUCCESS
 
 
-def _write_generated_files(parser: argparse.ArgumentParser) -> int:
-    """Write the files that `build` generates, print what changed and return the exit status."""
+def _write_generated_files(parser: argparse.ArgumentParser) -> None:
+    """Write the files that `build` generates, and print what changed."""
     from grader import documentation
     from grader.course import build
 
-    try:
-        changes = [*build.build(), *documentation.write(parser)]
-    except build.RegistryFault as error:
-        print(error, file=sys.stderr)
-        return FAULT
+    changes = [*build.build(), *documentation.write(parser)]
     for action, path in changes:
         print(action, path.relative_to(PROJECT))
     if not changes:
         print("All generated files are up to date.")
-    return SUCCESS
 
 
 def run_release(options: argparse.Namespace) -> int:
@@ -256,7 +246,7 @@ def require_stages(names: Sequence[str]) -> None:
 def run_judge(options: argparse.Namespace) -> int:
     """Run the command ``judge NOTEBOOK``."""
     from grader.course.seed import course_seed
-    from grader.judging.judge import UnknownLesson, judge, lesson_of_file
+    from grader.judging.judge import judge, lesson_of_file
 
     if options.notebook.is_dir():
         print(
@@ -268,14 +258,10 @@ def run_judge(options: argparse.Namespace) -> int:
     if not options.notebook.is_file():
         print(f"{options.notebook} does not exist. Correct the path.", file=sys.stderr)
         return USAGE_ERROR
-    try:
-        lesson = lesson_of_file(options.notebook)
-        sandbox = choose_sandbox(options.sandbox)
-        console.warn_if_unprotected(sandbox)
-        verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox, lesson)
-    except UnknownLesson as error:
-        print(error, file=sys.stderr)
-        return USAGE_ERROR
+    lesson = lesson_of_file(options.notebook)
+    sandbox = choose_sandbox(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox, lesson)
     if options.json:
         print(json.dumps(verdict.as_dict(), indent=1))
     else:

@@ -21,6 +21,7 @@ from grader.course import durations, earlier_lessons
 from grader.course.lessons import Lesson, all_lessons, every_lesson, registry_faults
 from grader.course.paths import PROJECT
 from grader.course.settings import course_settings
+from grader.errors import FAULT, UserError
 from utils.notebooks.reading import id_of_text
 
 if TYPE_CHECKING:
@@ -53,8 +54,11 @@ NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS_LINE = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
-class RegistryFault(Exception):
+class RegistryFault(UserError):
     """Some lessons are ignored or conflict; the message has one sentence for each fault."""
+
+    exit_status = FAULT
+    is_multiline = True
 
 
 def build() -> list[tuple[str, Path]]:

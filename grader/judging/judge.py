@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson, optional_lessons
+from grader.errors import UserError
 from grader.intake.preflight import JudgeInput, lesson_name_in, prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, read_submitted_files
@@ -40,8 +41,8 @@ STARVED_NOTE = (
 )
 
 
-class UnknownLesson(Exception):
-    """The lesson of a notebook is unknown; `str()` returns the message to show."""
+class UnknownLesson(UserError):
+    """The lesson of a notebook is unknown."""
 
 
 def judge(
