@@ -407,7 +407,12 @@ def f(calls):
     calls = {name: [number, 0, 0, 0] for name, number in system_call_numbers.items()}
     for name in syscalls.LIMITED_CALLS:
         del calls[name]
-    calls["madvise to merge pages"] = [system_call_numbers["madvise"], 0, 0, syscalls.MERGEABLE]
+    calls["madvise to merge pages"] = [
+        system_call_numbers["madvise"],
+        0,
+        0,
+        syscalls.MADV_MERGEABLE,
+    ]
     calls["madvise to remove a page from memory"] = [
         system_call_numbers["madvise"],
         0,
