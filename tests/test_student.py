@@ -231,7 +231,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             student.answer(7)
         error = caught.value
         assert (error.place, error.line) == ("code cell 1, line 3", "a, b = line")
-        assert error.calling == "code cell 2, line 3"
+        assert error.call_place == "code cell 2, line 3"
         assert describe_error(error) == (
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
@@ -241,7 +241,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:
             student.finished(7)
-        assert caught.value.calling is None and caught.value.shown_place == "code cell 1, line 3"
+        assert caught.value.call_place is None and caught.value.shown_place == "code cell 1, line 3"
 
 
 @pytest.mark.parametrize("lines", [3, 70])
@@ -252,7 +252,7 @@ def test_a_long_exercise_does_not_reveal_the_calling_line(sandbox, lines):
         student.exercise = "answer"
         with pytest.raises(StudentError) as caught:
             student.answer(7)
-    assert (caught.value.calling is None) == (lines > 60)
+    assert (caught.value.call_place is None) == (lines > 60)
     assert (caught.value.shown_place is None) == (lines > 60)
 
 

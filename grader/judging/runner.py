@@ -62,11 +62,11 @@ class _Runner:
     def __init__(
         self,
         student: StudentProxy,
-        selected: Callable[[Check], bool],
+        is_selected: Callable[[Check], bool],
         keep_going: bool = True,
         budget: Budget | None = None,
     ) -> None:
-        self.proxy, self.selected = student, selected
+        self.proxy, self.is_selected = student, is_selected
         self.budget = budget or Budget(Limits())
         self.continues, self.keep_going = True, keep_going
         self.outcomes: dict[Check, Outcome] = {}
@@ -110,7 +110,7 @@ class _Runner:
                 "Not run: comparing earlier answers to this exercise took longer than any right "
                 "answer needs."
             )
-        begin, self.proxy.largest_reply = time.process_time(), 0
+        start, self.proxy.largest_reply = time.process_time(), 0
         try:
             with (
                 self.budget.charge_if_failed(exercise),
@@ -119,7 +119,7 @@ class _Runner:
             ):
                 yield
         except Exception as error:
-            used_seconds = time.process_time() - begin
+            used_seconds = time.process_time() - start
             if isinstance(error, JudgeTimeout):  # which the kernel may raise a little early
                 used_seconds = max(used_seconds, seconds_left)
             self.budget.judge_seconds[exercise] += used_seconds
@@ -269,10 +269,10 @@ def _run_all_checks(lesson: Lesson, seed: int, runner: _Runner) -> list[Outcome]
     hidden_tests = collect_hidden_tests(lesson.tests, seed)
     with cached_run():
         for exercise in lesson.machine_graded:
-            for check in filter(runner.selected, checks_of(exercise.name)):
+            for check in filter(runner.is_selected, checks_of(exercise.name)):
                 runner.run_visible(check)
         for test in hidden_tests:
-            if runner.selected(test.check):
+            if runner.is_selected(test.check):
                 runner.run_hidden(test)
     if runner.sandbox_error:
         raise runner.sandbox_error

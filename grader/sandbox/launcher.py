@@ -195,8 +195,8 @@ def launch(
                 str(their_read),
                 str(their_write),
             ]
-            talk = subprocess.PIPE if release_folder else subprocess.DEVNULL
-            process, forked = _start_process(command, home, (their_read, their_write), talk), None
+            stdin = subprocess.PIPE if release_folder else subprocess.DEVNULL
+            process, forked = _start_process(command, home, (their_read, their_write), stdin), None
         else:
             request = {
                 "has_user_namespace": rules["user"] is None,
@@ -308,25 +308,26 @@ def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, ForkedWorker]:
     """Build a sandbox whose only process waits, and let a forked worker join that sandbox."""
-    info, number = os.pipe()
+    info_read, info_write = os.pipe()
     # When process 1 of a PID namespace ends, the kernel kills all other processes there.
-    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT_COMMAND]
+    options = ["--as-pid-1", "--info-fd", str(info_write), "--", "/bin/sh", "-c", WAIT_COMMAND]
     try:
         # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.
         # After a failed write, bubblewrap would end and leave its child behind.
-        pipes = number, info
-        both = subprocess.PIPE, subprocess.PIPE
-        process = _start_process([*sandbox_command, *options], request["home"], pipes, *both)
+        pipes = info_write, info_read
+        streams = subprocess.PIPE, subprocess.PIPE
+        process = _start_process([*sandbox_command, *options], request["home"], pipes, *streams)
     finally:
-        os.close(number)
+        os.close(info_write)
     try:
         # The process inside writes this line when the sandbox is complete.
         ready = read_line(process.stdout.fileno(), SECONDS_TO_REPORT)
-        with os.fdopen(info) as report:
-            first = json.load(report)["child-pid"] if ready else None
-        if first is None:
+        with os.fdopen(info_read) as report:
+            sandbox_pid = json.load(report)["child-pid"] if ready else None
+        if sandbox_pid is None:
             raise SandboxUnavailable("The sandbox cannot be built.")
-        return process, client.fork({"sandbox_pid": first, **request}, read_end, write_end)
+        worker = client.fork({"sandbox_pid": sandbox_pid, **request}, read_end, write_end)
+        return process, worker
     except SandboxUnavailable as fault:
         complaint = _end_with_message(process)
         process.stderr.close()

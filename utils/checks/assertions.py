@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 import utils
 from utils.checks.failures import AnswerTooLarge, CheckFailed, NotYet, WrongForm, fixed
 from utils.checks.size_limits import MAX_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
-from utils.remote_objects import ObservedCall, RemoteObject
+from utils.remote_objects import ObservedCall, RemoteProxy
 
 # Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
 TOLERANCE = 1e-3
@@ -649,7 +649,7 @@ def observe(function: Callable, *arguments: object) -> ObservedCall:
 
     In the judge, the function runs in the sandbox, and the call is observed there.
     """
-    if isinstance(function, RemoteObject):
+    if isinstance(function, RemoteProxy):
         return function.observe(*arguments)
     copies = copy.deepcopy(arguments)
     result = function(*copies)
@@ -668,7 +668,7 @@ def time_call(function: Callable, *arguments: object) -> tuple[object, float]:
 
     The time is processor time. A function in the sandbox is timed there.
     """
-    if isinstance(function, RemoteObject):
+    if isinstance(function, RemoteProxy):
         return function.timed(*arguments)
     copies = copy.deepcopy(arguments)
     start = time.process_time()
@@ -682,14 +682,14 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> list:
     A function in the sandbox receives all calls in one message. They share the time limit of one
     call, so use this for many fast calls.
     """
-    if isinstance(function, RemoteObject):
+    if isinstance(function, RemoteProxy):
         return function.each(list(calls))
     return [function(*copy.deepcopy(arguments)) for arguments in calls]
 
 
 def get_attribute_path(value: object, names: Sequence[str]) -> object:
     """Return `value.first.second` for two names; a remote value needs only one message."""
-    if isinstance(value, RemoteObject):
+    if isinstance(value, RemoteProxy):
         return value.reach(names)
     return attrgetter(".".join(names))(value)
 
