@@ -38,8 +38,8 @@ from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from grader.sandbox import choose_sandbox
 from tests.answer_equality import compare_values, is_equivalent
 from tests.course_lessons import COURSE
+from tests.slip_tables import solution_of
 from tests.students import student_with
-from tests.test_slips import solution_of
 from utils.checks import checks_of
 from utils.checks.assertions import call_each, observe, time_call
 from utils.checks.run_cache import cached_run

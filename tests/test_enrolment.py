@@ -13,7 +13,7 @@ from grader.lms import gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.instructor_notes import notes
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import (
+from tests.gradebooks import (
     DISTANCE,
     EARNED,
     GROUND,

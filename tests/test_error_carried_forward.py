@@ -9,7 +9,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, find_lesson, lesson_of
 from grader.judging import judge as judging
 from grader.judging.judge import judge
-from tests.test_slips import solution_of
+from tests.slip_tables import solution_of
 from utils.notebooks import slicing
 
 LESSON = find_lesson("02_ransac_line")

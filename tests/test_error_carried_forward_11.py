@@ -5,7 +5,7 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.judging.judge import judge
-from tests.test_slips import solution_of
+from tests.slip_tables import solution_of
 from utils.checks import check
 from utils.checks.core import ChecksFailed
 

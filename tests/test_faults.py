@@ -1,13 +1,14 @@
 """No student loses points through faults of the judge, the machine or other students' code."""
 
 import contextlib
+import dataclasses
 import json
 import os
 import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from importlib import metadata
 from types import SimpleNamespace
 
@@ -33,8 +34,9 @@ from grader.sandbox.program import Program
 from grader.sandbox.protocol import Thread
 from grader.sandbox.student import StudentProxy
 from tests.archives import notebook
+from tests.executors import InlineExecutor
+from tests.graded_courses import record_rehearsal
 from tests.prerequisites import PATIENCE
-from tests.test_grade import record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("06_filter_ground")
@@ -63,21 +65,6 @@ def wait(): time.sleep(1.5)
 def empty_cache(monkeypatch):
     """Empty the cache of right notebooks, which earlier tests may have filled."""
     monkeypatch.setattr(judging, "_full_mark_decisions", {})
-
-
-class InlineExecutor(Executor):
-    """Executor that runs jobs immediately in this process, where tests can replace functions."""
-
-    def __init__(self, workers):
-        pass
-
-    def submit(self, function, *arguments):
-        future = Future()
-        try:
-            future.set_result(function(*arguments))
-        except Exception as error:
-            future.set_exception(error)
-        return future
 
 
 class DeadlyExecutor(Pool):
@@ -545,7 +532,7 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
         calls.append(student)
         verdict = original(submitted_files, seed, sandbox, lesson, student)
         starved = student == "poison" and calls.count("poison") == 1
-        return type(verdict)(**{**verdict.__dict__, "starved": starved})
+        return dataclasses.replace(verdict, starved=starved)
 
     monkeypatch.setattr(grade, "judge_files", starving)
     verdicts = grade_class(course, sandbox)

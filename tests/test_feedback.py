@@ -243,7 +243,7 @@ def grade(course):
     for submission in find_submissions(course):
         content = invented_verdict(submission.lesson, submission.student)
         fingerprint = submission.read(course).fingerprint()
-        content = Verdict(**{**vars(content), "fingerprint": fingerprint})
+        content = dataclasses.replace(content, fingerprint=fingerprint)
         write_verdict(content, submission.verdict_path(course))
         entered.append((submission, content))
     enter_verdicts(course, entered, [STAGE], lambda done, total, student: None)

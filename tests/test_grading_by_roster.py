@@ -21,8 +21,8 @@ from grader.lms.mark_history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.results_reader import class_results
 from grader.sandbox import SANDBOXES
-from tests.test_faults import InlineExecutor
-from tests.test_gradebook import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
+from tests.executors import InlineExecutor
+from tests.gradebooks import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Bob,Bell,B\nidle,Ida,Ling,B\n"

@@ -42,7 +42,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from tests import prerequisites
 from tests.browser import BROWSER, rendered_page
-from tests.test_faults import InlineExecutor
+from tests.executors import InlineExecutor
 from utils.drive import Street, on_time
 from utils.drive.actors import standing_actor
 from utils.drive.loop import drive

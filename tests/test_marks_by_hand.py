@@ -21,7 +21,7 @@ from grader.lms.mark_history import read_changes
 from grader.lms.report import write_report
 from grader.lms.results import WAITING
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import LATE_PLUGIN, STREAM, ignore_progress, verdict_on
+from tests.gradebooks import LATE_PLUGIN, STREAM, ignore_progress, verdict_on
 
 STAGE, LESSON = STREAM.stage, STREAM.name
 MACHINE, *_ = STREAM.machine_graded

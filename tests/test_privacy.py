@@ -15,7 +15,7 @@ from grader.lms import gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.mark_history import read_changes
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import GROUND, STAGE, ignore_progress, make_course, submit, verdicts
+from tests.gradebooks import GROUND, STAGE, ignore_progress, make_course, submit, verdicts
 
 NEEDLE = "Needle-Eyre"  # a last name that occurs nowhere else
 

@@ -2,6 +2,7 @@
 
 import ast
 import collections
+import dataclasses
 import inspect
 import io
 import itertools
@@ -201,8 +202,8 @@ def test_a_wrong_key_is_not_confirmed(sandbox):
                     "CountClaim": {"count": 39},
                     "ValueClaim": {"text": "39"},
                 }[type(claim).__name__]
-                changed = type(claim)(**{**vars(claim), **wrong})
-                assert not verifier.confirms(Question(**{**vars(question), "claims": (changed,)}))
+                changed = dataclasses.replace(claim, **wrong)
+                assert not verifier.confirms(dataclasses.replace(question, claims=(changed,)))
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ from grader.lms.gradebook import open_gradebook
 from grader.site import runs, widget_states
 from grader.site.solution import as_notebook
 from tests.notebook_runs import errors_of, run
-from tests.test_requirements import distributions, normal, own_pins, third_party_imports
+from tests.required_packages import distributions, normal, own_pins, third_party_imports
 
 pytestmark = pytest.mark.slow
 

@@ -16,7 +16,7 @@ from grader.judging.judge import judge_files
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.lms.autograded_copy import score_output
 from grader.sandbox import Limits, launcher
-from tests.test_slips import solution_of
+from tests.slip_tables import solution_of
 
 pytestmark = pytest.mark.slow
 

@@ -13,8 +13,8 @@ from grader.course.roster import section_slug
 from grader.judging.verdict import write_verdict
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results_reader import class_results
+from tests.gradebooks import DISTANCE, GROUND, STAGE, ignore_progress, make_course, verdicts
 from tests.platforms import Canvas, CanvasStudent
-from tests.test_gradebook import DISTANCE, GROUND, STAGE, ignore_progress, make_course, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section,lms_id\n"

@@ -30,7 +30,7 @@ from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.report import write_report
 from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import (
+from tests.gradebooks import (
     DISTANCE,
     GROUND,
     LATE_PLUGIN,

@@ -66,3 +66,18 @@ def stopped_by(source, *arguments, calls=3, **limits):
             student.f(*arguments)
     assert time.monotonic() - begin < PATIENCE
     return str(stopped.value)
+
+
+HOLD_MEMORY = """
+import ctypes, mmap, os, threading, time
+def hold(megabytes):
+    block = mmap.mmap(-1, megabytes * 2**20)
+    for page in range(0, len(block), 4096):
+        block[page] = 1
+    return block
+def children(number, megabytes, then=lambda block: time.sleep(60)):
+    for _ in range(number):
+        if os.fork() == 0:
+            then(hold(megabytes))
+            os._exit(0)
+"""

@@ -20,7 +20,7 @@ from grader.sandbox.failures import KNOWN_EXCEPTIONS, MAX_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES
 from grader.sandbox.student import MAX_FAILED_CELLS
 from tests.attacks.attack import attack, function, with_attacks
-from tests.test_messages import FAILURES
+from tests.check_sources import FAILURES
 from utils.checks import checks_of, tips
 from utils.checks.diagnosis import known_mistakes
 from utils.notebooks import edits

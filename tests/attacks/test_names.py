@@ -28,7 +28,7 @@ from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.report import write_report
 from grader.lms.results_reader import class_results
-from tests.attacks.test_markdown import active_parts, page_of
+from tests.attacks.pages import active_parts, page_of
 
 LESSON = find_lesson("06_filter_ground")
 STAGE = LESSON.stage

@@ -19,7 +19,8 @@ from grader.lms import autograded_copy
 from grader.lms.autograded_copy import graded_cells
 from grader.lms.results import WAITING
 from grader.lms.results_reader import class_results
-from tests.test_faults import InlineExecutor, record_rehearsal
+from tests.executors import InlineExecutor
+from tests.test_faults import record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")

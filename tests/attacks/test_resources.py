@@ -14,6 +14,7 @@ from grader.sandbox import Limits, launcher
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.inside import syscalls
 from tests.attacks.attack import (
+    HOLD_MEMORY,
     MEBIBYTE,
     SHORT,
     attack,
@@ -131,21 +132,6 @@ def test_allocating_more_than_the_limit_raises_memory_error():
         pytest.raises(StudentError, match="MemoryError"),
     ):
         student.f()
-
-
-HOLD_MEMORY = """
-import ctypes, mmap, os, threading, time
-def hold(megabytes):
-    block = mmap.mmap(-1, megabytes * 2**20)
-    for page in range(0, len(block), 4096):
-        block[page] = 1
-    return block
-def children(number, megabytes, then=lambda block: time.sleep(60)):
-    for _ in range(number):
-        if os.fork() == 0:
-            then(hold(megabytes))
-            os._exit(0)
-"""
 
 
 @pytest.mark.slow

@@ -14,8 +14,7 @@ from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import SHARE_AFTER_FAILURES
 from grader.sandbox.time_budget import Budget
-from tests.attacks.attack import SANDBOX, attack, function, outcome_of, with_attacks
-from tests.attacks.test_resources import HOLD_MEMORY
+from tests.attacks.attack import HOLD_MEMORY, SANDBOX, attack, function, outcome_of, with_attacks
 from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
