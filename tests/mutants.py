@@ -67,7 +67,11 @@ TESTS = {
     "grader/intake/submission.py": ("test_submission.py",),
     "grader/intake/notebook.py": ("test_submission.py",),
     "grader/intake/pictures.py": ("test_pictures.py",),
-    "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
+    "grader/intake/preflight.py": (
+        "test_preflight.py",
+        "test_written_answers.py",
+        "test_rules.py",
+    ),
     "grader/lms/autograded_folder.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/differences.py": ("test_gradebook.py", "test_dates.py"),
     "grader/lms/gradebook_writer.py": (

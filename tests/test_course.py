@@ -25,6 +25,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
 from grader.lms import gradebook_writer
 from grader.lms.late import PercentPerDay
+from tests.damaged_notebooks import EARNS_EVERYTHING, changed_notebook
 from tests.executors import InlineExecutor
 from tests.gradebooks import gradebook_rows, penalties
 from tests.graded_courses import (
@@ -44,7 +45,6 @@ from tests.graded_courses import (
 )
 from tests.postgresql import NotInstalled, server
 from tests.prerequisites import PATIENCE
-from tests.test_preflight import EARNS_EVERYTHING, changed_notebook
 
 LESSON = find_lesson("06_filter_ground")
 STAGES = (LESSON.stage, WRITTEN_LESSON.stage)
