@@ -162,10 +162,10 @@ class Panel:
 
     def end_of(self, action, act):
         """Do something and wait for one of the final states, which is returned."""
-        begin = time.monotonic()
+        start = time.monotonic()
         act()
         self.wait(lambda: self.state().startswith(ENDS), "the code does not end")
-        seconds = time.monotonic() - begin
+        seconds = time.monotonic() - start
         print(f"{self.name}, {action}: {self.state()} {seconds:.0f} s", flush=True)
         return self.state()
 

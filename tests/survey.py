@@ -282,10 +282,10 @@ class CheckRunner:
     def record_times(self, function):
         """Record how long each check call takes for a right function, to set time limits."""
         for number, check_call in enumerate(self.check_calls_for(function)):
-            begin = time.process_time()
+            start = time.process_time()
             with cached_run():
                 check_call()
-            self.cost[number] = max(self.cost[number], time.process_time() - begin)
+            self.cost[number] = max(self.cost[number], time.process_time() - start)
 
     def first_failure(self, function):
         """Return the number of a check call that a function fails, or None if it passes all."""
@@ -335,10 +335,10 @@ class Oracle:
         self.calls = runner.calls()
         self.expected, self.answered, self.seconds = [], [], []
         for call in self.calls:
-            begin = time.process_time()
+            start = time.process_time()
             self.expected.append(outcome_of(self.right, call, HANGING_SECONDS))
             self.answered.append(outcome_of(self.answer, call, HANGING_SECONDS))
-            self.seconds.append(time.process_time() - begin)
+            self.seconds.append(time.process_time() - start)
         self.cost = sum(self.seconds)
 
     def counterexample(self, function):

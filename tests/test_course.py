@@ -415,16 +415,16 @@ def test_a_killed_run_is_completed_by_the_same_command(course, sandbox, number, 
     for student in ("carol", "dave"):
         submit(course, student, LESSON, answered_notebook("voxel_grid"))
     submit(course, "erin", WRITTEN_LESSON, with_report(REPORT))
-    begin = time.monotonic()
+    start = time.monotonic()
     assert grade(course, sandbox) == commands.SUCCESS
-    cold = time.monotonic() - begin
+    cold = time.monotonic() - start
     expected, released = gradebook_rows(course), file_digests(course.root / "notebooks")
     copies, report = file_digests(course.autograded), report_of(course)
-    begin = time.monotonic()
+    start = time.monotonic()
     (course.root / "gradebook.db").unlink()
     shutil.rmtree(course.autograded)
     assert grade(course, sandbox) == commands.SUCCESS
-    warm = time.monotonic() - begin
+    warm = time.monotonic() - start
 
     rng = random.Random(int(number))
     killed = 0

@@ -217,9 +217,9 @@ def test_functions_with_side_effects_are_stopped(function, tmp_path, monkeypatch
 @pytest.mark.slow
 def test_an_endless_loop_is_stopped_in_time(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
-    begin = time.monotonic()
+    start = time.monotonic()
     assert find_line_hint(never_ends, CHECKS, CHECKS[:1]) is None
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 @pytest.mark.slow

@@ -273,10 +273,10 @@ def test_each_right_answer_has_five_verified_questions_of_three_kinds(
     monkeypatch.setattr(StudentProxy, "close", close_and_count)
     for kept in right_answers(exercise):
         processor_seconds.clear()
-        begin = time.process_time()
+        start = time.process_time()
         behaviour = observe(answer_with(exercise, kept.source), sandbox)
         chosen = choose_questions(behaviour, sandbox, 5, Random(kept.name))
-        seconds = time.process_time() - begin + processor_seconds["sandbox"]
+        seconds = time.process_time() - start + processor_seconds["sandbox"]
         assert len(chosen) == 5, kept.name
         assert len({question.kind for question in chosen}) >= 3, kept.name
         assert seconds < SECONDS, kept.name

@@ -701,3 +701,15 @@ def test_results_and_settings_are_immutable(run_once):
     for made in (run_with(ENDED), program_run.JudgingContext(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
             made.budget = None
+
+
+@pytest.mark.slow
+def test_visible_checks_run_before_hidden_tests(lesson):
+    """Otherwise, a function could store a hidden test's input and reveal it in a visible check."""
+
+    def stub(*arguments, **keywords):
+        raise NotImplementedError
+
+    student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
+    visible = [outcome.check.is_shown for outcome in run_checks(lesson, student, SEED)]
+    assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

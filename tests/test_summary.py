@@ -302,9 +302,9 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
                 endless(0)
         endless(0)
 
-    begin = time.monotonic()
+    start = time.monotonic()
     shown = output_of(function, capsys)
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
     assert "did not return within 1 s. It was in the loop in line" in shown
     assert "[passed] one" in shown and "[waiting] three" in shown
 

@@ -60,11 +60,11 @@ def outcome_of(source, *arguments, **options):
 
 def stopped_by(source, *arguments, calls=3, **limits):
     """Call `f` until the sandbox stops it; return the sandbox's message, or fail."""
-    begin = time.monotonic()
+    start = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):
             student.f(*arguments)
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
     return str(stopped.value)
 
 

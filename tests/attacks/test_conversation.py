@@ -121,7 +121,7 @@ while True: os.write(write, b" ")
 )
 def test_an_invalid_reply_stops_the_student(body, sentence):
     source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
-    begin = time.monotonic()
+    start = time.monotonic()
     with attack(source, call_seconds=0.5) as student, pytest.raises(StudentStopped) as stopped:
         if '"arguments"' in body:
             student._calls = 1
@@ -129,7 +129,7 @@ def test_an_invalid_reply_stops_the_student(body, sentence):
         for number in range(3):
             student.f(number)
     assert re.search(sentence, str(stopped.value))
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 # Code that sends every reply after the first in pieces.

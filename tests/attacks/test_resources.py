@@ -174,10 +174,10 @@ children(12, 256)
 )
 def test_total_memory_of_all_processes_is_limited(body):
     source = HOLD_MEMORY + function(body + "\ntime.sleep(600)")
-    begin = time.monotonic()
+    start = time.monotonic()
     sentence = stopped_by(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE)
     assert TOO_MUCH in sentence
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 def test_memory_allocated_between_two_calls_counts_towards_the_limit():

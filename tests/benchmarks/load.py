@@ -67,14 +67,14 @@ def judge_under_load(load, course, sandbox):
         judged_submissions.extend([news] * isinstance(news, Submission))
 
     with busy(load * processor_count()):
-        begin = time.perf_counter()
+        start = time.perf_counter()
         judged = judge_class(
             course, (), SEED, sandbox, EXECUTORS["processes"], processor_count(), progress
         )
         again = [
             submission for submission, times in Counter(judged_submissions).items() if times > 1
         ]
-        return judged, again, time.perf_counter() - begin
+        return judged, again, time.perf_counter() - start
 
 
 def main(count=NOTEBOOKS):

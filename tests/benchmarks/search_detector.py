@@ -141,9 +141,9 @@ def milliseconds(setting: Setting, frames: Sequence[Frame]) -> float:
     """Return the median processor time per frame in milliseconds."""
     detect, found = detector(setting), []
     for frame in 3 * list(frames[:TIMED]):
-        begin = time.process_time()
+        start = time.process_time()
         detect(frame.cloud)
-        found.append(1000 * (time.process_time() - begin))
+        found.append(1000 * (time.process_time() - start))
     return float(np.median(found))
 
 

@@ -10,7 +10,7 @@ from grader.classroom.collect import record, storage
 from grader.course.paths import Course
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 from tests.archives import EIGHT, SEVEN, SIX, canvas_files, notebook
-from tests.test_collect import (
+from tests.collecting import (
     MONDAY,
     STAGE,
     TUESDAY,
@@ -21,8 +21,6 @@ from tests.test_collect import (
     resubmission,
     states,
 )
-
-pytestmark = pytest.mark.usefixtures("reading_without_fork")
 
 EARLY, LATE = "2026-10-10 10:00:00 UTC", "2026-10-20 10:00:00 UTC"
 
