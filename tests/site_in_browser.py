@@ -459,7 +459,11 @@ def faults_without_webgl(driver, root):
         time.sleep(2)
         films = driver.find_elements(By.CSS_SELECTOR, "figure.film img")
         panels = driver.find_elements(By.CSS_SELECTOR, "figure.playground")
-        if not films or not films[0].size["height"] or any(one.size["height"] for one in panels):
+        if (
+            not films
+            or not films[0].size["height"]
+            or any(panel.size["height"] for panel in panels)
+        ):
             yield f"{scripts} scripts, the front page without WebGL does not show the film alone"
 
 

@@ -271,7 +271,7 @@ def asked_in(lesson):
 @pytest.mark.parametrize("about", every_lesson(), ids=lambda lesson: lesson.name)
 def test_each_lesson_asks_about_one_of_its_exercises_after_its_checks(about):
     function, exercise, is_after_checks = asked_in(about)
-    assert exercise in (*(one.name for one in about.machine_graded), *about.steps)
+    assert exercise in (*(graded.name for graded in about.machine_graded), *about.steps)
     assert cases_of(exercise) and exercise in exercises_with_cases() and is_after_checks
     assert function in (exercise, *about.header.given)
 

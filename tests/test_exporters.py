@@ -140,11 +140,12 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     """In a spreadsheet, a 0 would count in the mean."""
     auditor = dataclasses.replace(CY, role="auditor")
     audited = [
-        dataclasses.replace(one, status=AUDITOR)
-        for one in results_of(auditor, {SIX: 30.0, SEVEN: 20.0, TWELVE: 40.0})[0]
+        dataclasses.replace(result, status=AUDITOR)
+        for result in results_of(auditor, {SIX: 30.0, SEVEN: 20.0, TWELVE: 40.0})[0]
     ]
     stages = [
-        dataclasses.replace(one, status=AUDITOR) for one in results_of(auditor, {SIX: 30.0})[1]
+        dataclasses.replace(result, status=AUDITOR)
+        for result in results_of(auditor, {SIX: 30.0})[1]
     ]
     results = class_of(
         results_of(ADA, {SIX: 0.0}),

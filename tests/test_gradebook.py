@@ -534,7 +534,7 @@ def test_penalties_count_days_of_local_time(entered_course, due, submitted, lost
     (entered_course.submitted / "ada" / STAGE / "timestamp.txt").write_text(submitted)
     enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
     assert penalties(entered_course) == {"ada": pytest.approx(lost)}
-    (stage,) = [one for one in class_results(entered_course).stages if one.student == "ada"]
+    (stage,) = [stage for stage in class_results(entered_course).stages if stage.student == "ada"]
     assert math.ceil(stage.late / datetime.timedelta(days=1)) == lost / 3
     with gradebook.open_gradebook(entered_course) as book:
         for notebook in book.find_submission(STAGE, "ada").notebooks:

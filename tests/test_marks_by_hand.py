@@ -185,7 +185,7 @@ def test_a_restored_mark_has_its_late_penalty(course):
     enter_class(course)
     lose_gradebook(course)
     enter_class(course, restore=True)
-    (mark,) = [one for one in class_results(course).notebooks if one.student == "ada"]
+    (mark,) = [mark for mark in class_results(course).notebooks if mark.student == "ada"]
     assert mark.penalty == pytest.approx((7.5 + POINTS * len(STREAM.machine_graded)) / 10)
 
 
@@ -306,7 +306,7 @@ def test_an_exercise_that_is_no_longer_in_the_release_is_removed(course):
     assert "essay is no longer in the release" in told
     assert "Only marks.jsonl still contains its 2 marks given by hand" in told
     assert manual_mark(course, "ada") == (7.5, False, "Good.")
-    assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
+    assert [change.after for change in read_changes(course) if change.exercise == "essay"] == [
         *(3.5, 3.5, None, None),
     ]
     assert enter_class(course) == [] and wrong_findings(course) == []

@@ -375,7 +375,7 @@ def make_class(root, count):
     """Write the submissions of a class with right answers, and verdicts with full points."""
     course = Course(root)
     for number in range(count):
-        for lesson in (one for one in all_lessons() if one.stage == STAGE):
+        for lesson in (candidate for candidate in all_lessons() if candidate.stage == STAGE):
             answers = {
                 exercise.name: right_answers(exercise.name)[number % 5].source
                 for exercise in lesson.machine_graded
@@ -391,9 +391,9 @@ def give_full_points(course, student, lesson):
     from grader.classroom.submissions import find_submissions
 
     (submission,) = [
-        one
-        for one in find_submissions(course, [lesson.stage])
-        if (one.student, one.lesson) == (student, lesson)
+        submission
+        for submission in find_submissions(course, [lesson.stage])
+        if (submission.student, submission.lesson) == (student, lesson)
     ]
     results = tuple(
         ExerciseResult(exercise.name, exercise.points, exercise.points, ())

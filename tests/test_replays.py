@@ -417,7 +417,7 @@ SEARCHES = [
 ]
 
 
-@pytest.mark.parametrize("answer", SEARCHES, ids=lambda one: one.name)
+@pytest.mark.parametrize("answer", SEARCHES, ids=lambda variant: variant.name)
 def test_the_replay_of_a_search_marks_the_wrong_step(answer):
     try:
         run = walk_search(function_of("search", answer.source))

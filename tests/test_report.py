@@ -407,9 +407,9 @@ def test_exercises_that_were_not_started_are_in_the_order_of_the_course():
         ExerciseResult(name, tests=(dataclasses.replace(UNTOUCHED, subject=name),), **stub)
         for name in ("first", "second")
     ]
-    one = dataclasses.replace(verdict("ada", []), exercises=(done, exercises[1]))
+    first_only = dataclasses.replace(verdict("ada", []), exercises=(done, exercises[1]))
     both = dataclasses.replace(verdict("bo", []), exercises=tuple(exercises))
-    assert count_not_started([one, both]) == [("first", 1), ("second", 2)]
+    assert count_not_started([first_only, both]) == [("first", 1), ("second", 2)]
 
 
 def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):

@@ -233,11 +233,11 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
     own, programs, about = Program(("pass",), plane.names, given=given), [], []
 
     def run(setting, program, wanted):
-        about.append({one.check.exercise for one in hold if wanted(one.check)})
+        about.append({outcome.check.exercise for outcome in hold if wanted(outcome.check)})
         if program == own:
-            return RunResults(tuple(one for one in lost if wanted(one.check)))
+            return RunResults(tuple(outcome for outcome in lost if wanted(outcome.check)))
         programs.append(program)
-        outcomes = tuple(one for one in hold if wanted(one.check))
+        outcomes = tuple(outcome for outcome in hold if wanted(outcome.check))
         return RunResults(outcomes, fault="" if len(programs) != 2 else "it broke")
 
     monkeypatch.setattr(error_carried_forward, "run_program", run)
@@ -246,9 +246,9 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
         JudgingContext(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
     )
     assert list(better) == [names[1], *names[3:]]  # the second of the four runs failed
-    assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
+    assert [outcome.check.exercise for outcome in better[names[3]].outcomes] == [names[3]] * 2
     assert about == [{name} for name in names[1:] for _ in range(2)]
-    assert [one.program for one in better.values()] == [programs[0], *programs[2:]]
+    assert [rerun.program for rerun in better.values()] == [programs[0], *programs[2:]]
     for number, program in enumerate(programs, start=1):
         assert program.names == (names[number], "KdTree")
         assert program.given.names == ("KdTree", *names[:number])
@@ -322,7 +322,7 @@ def test_a_different_submission_time_is_a_difference(submitted_files, hour):
     )
     *found, last = differences(course, book, entry, None, Deadlines({}))
     assert last.endswith(": not in the gradebook")
-    assert bool(found) == (hour != 12) and all("submission time" in one for one in found)
+    assert bool(found) == (hour != 12) and all("submission time" in text for text in found)
 
 
 def test_a_missing_notebook_needs_no_manual_grading():

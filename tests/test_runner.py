@@ -50,13 +50,13 @@ def make_lesson(tmp_path, monkeypatch):
         tests.parent.mkdir(exist_ok=True)
         tests.write_text(HEAD + hidden)
         monkeypatch.setattr(
-            runner, "checks_of", lambda name: [one for one in shown if one.exercise == name]
+            runner, "checks_of", lambda name: [check for check in shown if check.exercise == name]
         )
         return SimpleNamespace(
             name="06_made_here",
             number="06",
             tests=tests,
-            machine_graded=[SimpleNamespace(name=one) for one in "fg"],
+            machine_graded=[SimpleNamespace(name=name) for name in "fg"],
         )
 
     return make
@@ -110,8 +110,8 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(make_lesson):
         "test_second",
         "test_first",
     ]
-    assert [one.check.is_shown for one in outcomes] == [True, True, False, False]
-    assert [one.check.weight for one in outcomes] == [1.0, 1.0, 1.0, 2.5]
+    assert [outcome.check.is_shown for outcome in outcomes] == [True, True, False, False]
+    assert [outcome.check.weight for outcome in outcomes] == [1.0, 1.0, 1.0, 2.5]
     assert failure_types(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
     assert student.calls == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
     assert student.closed == 0
@@ -495,9 +495,9 @@ def test_no_answer_outlives_its_check(make_lesson, how):
     answers = weakref.WeakSet()
 
     def answer():
-        one = Answer()
-        answers.add(one)
-        return one
+        made = Answer()
+        answers.add(made)
+        return made
 
     @once_per_run
     def require(function):
@@ -651,8 +651,8 @@ def test_each_wrong_exercise_is_explained_once(run_once):
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
     assert (results.problems, results.uses) == (("a cell",), {"f": ("g",)})
     assert results.fault == "" and seen.closed == [None, None]
-    assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]
-    assert [one.check.name for one in results.outcomes_of("g")] == ["d"]
+    assert [outcome.check.name for outcome in results.outcomes_of("f")] == ["a", "b", "c"]
+    assert [outcome.check.name for outcome in results.outcomes_of("g")] == ["d"]
 
 
 def test_outcomes_of_an_exercise_are_found_by_an_equal_name():

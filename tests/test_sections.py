@@ -75,7 +75,7 @@ def test_results_of_a_section_contain_nothing_about_other_sections(course):
     whole = class_results(course)
     part = whole.of_people(find_section(course, "B"))
     assert [person.id for person in part.people] == ["bob"]
-    assert {one.student for one in (*part.notebooks, *part.stages)} == {"bob"}
+    assert {result.student for result in (*part.notebooks, *part.stages)} == {"bob"}
     assert part.unassigned == (("bob", DISTANCE.name),)
     assert len(whole.unassigned) == 2
     assert part.notebook("bob", GROUND.name) == whole.notebook("bob", GROUND.name)

@@ -75,8 +75,8 @@ def text_of(path):
 
 def test_a_slider_becomes_pictures_at_some_positions_with_labels():
     pictures = Pictures()
-    (one,) = page_outputs([*positions()], pictures)
-    page = one.data["text/html"]
+    (output,) = page_outputs([*positions()], pictures)
+    page = output.data["text/html"]
     assert [*map(float, re.findall(r"<label [^>]*>(\S+)</label>", page))] == [-2.2, -1.2, 0.6]
     assert re.findall(r'class="at-(\d)" checked', page) == ["0"], (
         "the lesson's value is shown first"
@@ -136,8 +136,8 @@ def test_several_sliders_share_one_choice():
         {widget_states.POSITION_TYPE: {"slider": title, "value": value}}
         for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
     ]
-    (one,) = page_outputs([displayed_output(data) for data in (own, *moved)], Pictures())
-    page = one.data["text/html"]
+    (output,) = page_outputs([displayed_output(data) for data in (own, *moved)], Pictures())
+    page = output.data["text/html"]
     assert re.findall(r"<label [^>]*>(.+?)</label>", page) == ["as in this lesson", "4", "2.4", "6"]
     assert len(set(re.findall(r'name="(\w+)"', page))) == 1
     ids = re.findall(r'id="([\w-]+)"', page)
@@ -185,10 +185,10 @@ def test_a_scene_on_a_page_has_every_point_of_the_scan(monkeypatch):
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():
-    (one,) = page_outputs(
+    (output,) = page_outputs(
         [new_output("stream", name="stdout", text="a\n1/2\r2/2\nb\r\n")], Pictures()
     )
-    assert one.text == "a\n2/2\nb\r\n"
+    assert output.text == "a\n2/2\nb\r\n"
 
 
 # ---- widgets and figures ------------------------------------------------------------------------
@@ -216,8 +216,8 @@ def test_only_one_slider_moves_at_a_time():
     own = {"rounds": 20, "seed": 0, "level": 1.0}
     assert found[0] == own
     moved = [{name: v for name, v in values.items() if v != own[name]} for values in found[1:]]
-    assert [len(one) for one in moved] == [1] * 6
-    assert [one["rounds"] for one in moved if "rounds" in one] == [10, 500]
+    assert [len(values) for values in moved] == [1] * 6
+    assert [values["rounds"] for values in moved if "rounds" in values] == [10, 500]
     assert all(isinstance(values["seed"], int) for values in found)
 
 
@@ -336,11 +336,11 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
 def test_the_page_for_instructors_shows_each_drawn_picture():
     text = (PROJECT / "docs" / "instructors.md").read_text("utf-8")
     shown = re.findall(r"!\[(.{40,}?)\]\(pictures/(\w+)\.png\)", text)
-    assert [name for _, name in shown] == [one.name for one in class_pictures.PICTURES]
-    for one in class_pictures.PICTURES:
-        with Image.open(class_pictures.FOLDER / f"{one.name}.png") as drawn:
+    assert [name for _, name in shown] == [picture.name for picture in class_pictures.PICTURES]
+    for picture in class_pictures.PICTURES:
+        with Image.open(class_pictures.FOLDER / f"{picture.name}.png") as drawn:
             width, height = (length - 2 * class_pictures.BORDER for length in drawn.size)
-            assert width / height == pytest.approx(class_pictures.WIDTH / one.height, rel=0.01)
+            assert width / height == pytest.approx(class_pictures.WIDTH / picture.height, rel=0.01)
     assert len(re.findall("^## .+\n\n`python -m grader ", text, re.M)) == len(shown)
 
 
@@ -589,8 +589,8 @@ def test_every_page_says_what_search_engines_and_messengers_show(site):
     described = [path for path in pages if path.name not in ("search.html", "404.html")]
     texts = {path: path.read_text("utf-8") for path in described}
     found = [re.findall('<meta name="description" content="(.+?)">', texts[path]) for path in texts]
-    assert {len(one) for one in found} == {1} and len(found) > 30
-    assert len({one[0] for one in found}) == len(found), "each page has its own description"
+    assert {len(matches) for matches in found} == {1} and len(found) > 30
+    assert len({matches[0] for matches in found}) == len(found), "each page has its own description"
     place = "https://anna.github.io/lidar/_static/sharing.png"
     assert all(f'property="og:image" content="{place}"' in text for text in texts.values())
     with Image.open(site / "_static" / "sharing.png") as shown:

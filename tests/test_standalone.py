@@ -70,7 +70,7 @@ def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written_folder):
         names = unpacked_files(path.read_bytes())
         mine = {name for name in names if name.startswith("utils/checks/lesson_")}
         own = (PROJECT / "utils" / "checks").rglob("*.py")
-        own = {one.relative_to(PROJECT).as_posix() for one in own}
+        own = {path.relative_to(PROJECT).as_posix() for path in own}
         assert mine and mine == {name for name in own if f"/lesson_{path.name[:2]}" in name}
         assert "utils/checks/forbidden.json" in names
         cases = {name for name in names if name.startswith("utils/questions/lesson_")}

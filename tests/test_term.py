@@ -163,10 +163,10 @@ def results_of(by_person, rules):
     stages, all_results = [], []
     for own in by_person.values():
         all_results += own
-        for stage in dict.fromkeys(one.stage for one in own):
-            part = [one for one in own if one.stage == stage]
-            known = [one.score for one in part if one.score is not None]
-            most = sum(one.max_score for one in part)
+        for stage in dict.fromkeys(result.stage for result in own):
+            part = [result for result in own if result.stage == stage]
+            known = [result.score for result in part if result.score is not None]
+            most = sum(result.max_score for result in part)
             score = sum(known) if known else None
             stages.append(StageResult(part[0].student, stage, combined_status(part), score, most))
     return ClassResults(tuple(by_person), tuple(all_results), tuple(stages), rules=rules)
@@ -205,7 +205,9 @@ def test_scores_csv_shows_totals_and_the_pass_mark():
 def test_marks_of_single_assignments_follow_no_rule_of_the_term():
     plain, ruled = class_with(TermRules()), class_with(RULES)
     assert scores(plain, "stage1_ransac") == scores(ruled, "stage1_ransac")
-    options = [ExportOptions(Course(), one, "stage1_ransac", True) for one in (plain, ruled)]
+    options = [
+        ExportOptions(Course(), results, "stage1_ransac", True) for results in (plain, ruled)
+    ]
     assert collect_marks(options[0]).marks == collect_marks(options[1]).marks
 
 

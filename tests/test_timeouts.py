@@ -52,7 +52,11 @@ def message_after(function, monkeypatch, slow=""):
     """Run a function that hangs as an answer, and return the message about it."""
     monkeypatch.setattr(core, "SECONDS", 0.2)
     name = function.__name__
-    check = Check("check", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)
+
+    def call(answer):
+        return answer(np.ones((3, 3)))
+
+    check = Check("check", name, "It ends", "hint", run=call, slow=slow)
     return run_check(check, function).failure.message
 
 

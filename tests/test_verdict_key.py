@@ -338,7 +338,7 @@ def test_the_key_depends_on_student_submission_and_seed():
         verdict_key.verdict_key(notebook, find_lesson("07_filter_by_distance"), 17, "ada"),
         verdict_key.verdict_key(SubmittedFiles("06.ipynb", b"{} "), lesson, 17, "ada"),
     ]
-    assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
+    assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", key) for key in keys)
     assert verdict_key.verdict_key(notebook, lesson, 17, "") == keys[0]
     # A name that is not valid UTF-8 must not raise an exception.
     verdict_key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))

@@ -263,11 +263,13 @@ def race(lessons):
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as place:
             place = Path(place).resolve()
-            one = time_nbgrader(lessons, place / "one", 1)
+            class_of_one = time_nbgrader(lessons, place / "one", 1)
             ours = time_grade(lessons, place / "ours")
-            two = time_nbgrader(lessons, place / "two", 2)
-        found.append(((two - one) / len(lessons), ours / (STUDENTS * len(lessons))))
-        starts.append(2 * one - two)
+            class_of_two = time_nbgrader(lessons, place / "two", 2)
+        found.append(
+            ((class_of_two - class_of_one) / len(lessons), ours / (STUDENTS * len(lessons)))
+        )
+        starts.append(2 * class_of_one - class_of_two)
     return np.array(found), np.array(starts)
 
 
