@@ -369,7 +369,7 @@ def test_students_may_have_unusual_names(course, sandbox):
     pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
     pipe.parent.mkdir(parents=True)
     os.mkfifo(pipe)
-    os.mkfifo(course.submitted / "ada" / LESSON.stage / "beside")
+    os.mkfifo(course.submitted / "ada" / LESSON.stage / "another pipe")
     assert grade(course, sandbox) == commands.SUCCESS
     assert entered_scores(course)["deep", LESSON.stage, LESSON.name] == 30
     assert entered_scores(course)["pipe", LESSON.stage, LESSON.name] == 0
