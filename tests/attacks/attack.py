@@ -68,6 +68,7 @@ def stopped_by(source, *arguments, calls=3, **limits):
     return str(stopped.value)
 
 
+# Code that holds memory, in its own process or in child processes.
 HOLD_MEMORY = """
 import ctypes, mmap, os, threading, time
 def hold(megabytes):

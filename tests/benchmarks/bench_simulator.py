@@ -34,7 +34,7 @@ def seconds(call: Callable[[], object], runs: int = 7) -> float:
 
 
 def street_of(obstacles: int) -> Callable[[], Frame]:
-    """Return a function that creates the easiest random street with at least this many obstacles."""
+    """Return a function that creates the easiest random street with this many obstacles or more."""
     for percent in range(101):
         difficulty = percent / 100
         if len(random_street(0, difficulty).boxes) >= obstacles:
