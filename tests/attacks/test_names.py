@@ -87,9 +87,9 @@ def pages_of(course, judged):
     console.print_feedback([feedback])
     yield from (("feedback", page.read_text("utf-8")) for page in feedback.pages)
     writer = FeedbackCollector(course, STAGE)
-    told = writer.feedback(*writer.people([HOSTILE]))
-    for lesson in told.lessons:
-        notebook = nbformat.reads(feedback_notebook(told, lesson).decode(), 4)
+    collected = writer.feedback(*writer.people([HOSTILE]))
+    for lesson in collected.lessons:
+        notebook = nbformat.reads(feedback_notebook(collected, lesson).decode(), 4)
         yield "Canvas", page_of(notebook)
     options = Config()
     options.HTMLExporter.template_name = "formgrade"

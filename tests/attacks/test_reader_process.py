@@ -73,22 +73,20 @@ def make_vulnerable(monkeypatch, module, name, work=loop_forever):
     """Replace a function of the grader with one that calls `work` on the hostile text."""
     right = getattr(module, name)
 
-    def holed(given, *others):
+    def vulnerable(given, *others):
         if HOSTILE in str(given):
             return work()
         return right(given, *others)
 
-    monkeypatch.setattr(module, name, holed)
+    monkeypatch.setattr(module, name, vulnerable)
 
 
 def test_a_file_that_preflight_cannot_finish_gets_a_verdict(small_limits, sandbox, monkeypatch):
     make_vulnerable(monkeypatch, preflight, "_defines")
     verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, 0.0)
-    assert [*verdict.problems] == [
-        message for message in verdict.problems if "more than 1 sec" in message
-    ]
-    assert len(verdict.problems) == 1
+    (problem,) = verdict.problems
+    assert "more than 1 sec" in problem
 
 
 def test_a_fault_of_the_grader_costs_no_points(small_limits, sandbox, monkeypatch):
