@@ -1,4 +1,4 @@
-"""The code of the checks, for tests of the messages in it."""
+"""Find calls in the code of the checks, for tests of messages."""
 
 import ast
 

@@ -65,7 +65,7 @@ ENDS = (
 PATIENCE = 1800  # seconds for one press of a button, on a machine with other work
 VIEWS = ((480, "light"), (480, "dark"), (1280, "light"), (1280, "dark"))
 LOADED = """
-return performance.getEntriesByType("resource").map((one) => one.name)
+return performance.getEntriesByType("resource").map((entry) => entry.name)
   .filter((name) => /worker[.]js$|[.]bin$/.test(name));
 """
 OTHER_HOST = """

@@ -175,13 +175,13 @@ def mutants_of(module: str) -> Iterator[Mutant]:
     done = subprocess.run(
         [COSMIC_RAY, "-c", CHANGES], input=source, stdout=subprocess.PIPE, text=True, check=True
     )
-    met = {normalised_source(source)}
+    seen = {normalised_source(source)}
     for line in done.stdout.splitlines():
         changed = json.loads(line)
         with contextlib.suppress(SyntaxError):
-            means = normalised_source(changed)
-            if means not in met:
-                met.add(means)
+            meaning = normalised_source(changed)
+            if meaning not in seen:
+                seen.add(meaning)
                 yield Mutant(module, *_difference(source, changed), changed)
 
 
