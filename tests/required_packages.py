@@ -13,7 +13,7 @@ OWN_PACKAGES = {"docs", "extension", "grader", "utils", "tests"} | INSIDE
 # Optional packages that are used if installed: libraries in benchmarks and proofs, lesson 13's
 # numba, and the viewer Rerun.
 PEERS = {"dbscan", "mcap", "mcap_ros2", "numba", "open3d", "pypcd4", "rerun"}
-BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .ci/hub creates
+BROWSER = {"selenium"}  # for tests/hub.py and others, which scripts in .ci run elsewhere
 
 
 def normal(name):
@@ -43,7 +43,7 @@ def imports(text):
 def third_party_imports():
     """Return the third-party packages that each file of the project imports."""
     found = {}
-    for folder in ("grader", "utils", "solutions", "tests"):
+    for folder in ("docs", "extension", "grader", "utils", "solutions", "tests"):
         for path in sorted((PROJECT / folder).rglob("*.py")):
             packages = set(imports(path.read_text("utf-8")))
             others = packages - OWN_PACKAGES - PEERS - BROWSER - sys.stdlib_module_names

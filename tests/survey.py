@@ -72,13 +72,13 @@ class Answer:
     exercise: str
     name: str
     cells: tuple[str, ...]
-    theirs: tuple[slicing.Statement, ...]
+    statements: tuple[slicing.Statement, ...]
 
     def code(self, edit=None):
         """Compile the statements, after applying an edit if one is given."""
         texts = [
             edit.statement if edit and contains(statement, edit) else ast.unparse(statement.node)
-            for statement in self.theirs
+            for statement in self.statements
         ]
         return compile("\n".join(texts), ANSWER, "exec")
 
@@ -148,19 +148,21 @@ def answer_in(lesson, exercise, name, content, own=()):
     statements, _ = slicing.parse_notebook(cells)
     others = frozenset(lesson.names) - {exercise}
     needed = slicing.slice_for((exercise,), statements)
-    theirs = tuple(
+    own_statements = tuple(
         statement
         for statement in needed
         if not statement.binds & others or ast.unparse(statement.node) in own
     )
-    return Answer(lesson, exercise, name, tuple(cells), theirs)
+    return Answer(lesson, exercise, name, tuple(cells), own_statements)
 
 
 def mutants_of(answer):
     """Yield the mutants of an answer, except those that compile to the same code."""
     kinds = (ast.FunctionDef, ast.ClassDef)
     seen = {key_of(answer.code())}
-    definitions = [statement for statement in answer.theirs if isinstance(statement.node, kinds)]
+    definitions = [
+        statement for statement in answer.statements if isinstance(statement.node, kinds)
+    ]
     for edit in edits_of(list(answer.cells), definitions):
         with contextlib.suppress(SyntaxError, ValueError):
             code = answer.code(edit)
@@ -193,9 +195,8 @@ def time_limit(seconds):
         raise TakesTooLong
 
     before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(
-        signal.ITIMER_PROF, seconds, 0.1
-    )  # repeated, because some code catches every exception
+    # The signal is repeated every 0.1 s, because some code catches every exception.
+    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)
     try:
         yield
     finally:

@@ -166,11 +166,11 @@ def test_output_of_the_function_is_discarded(capsys, recwarn):
 def test_a_result_that_depends_on_the_seed_is_not_asked_about():
     source = (
         "def ransac_line(points, max_iterations, distance_tolerance, rng):\n"
-        "    inliers = np.arange(len(points)) < rng % 2\n"
+        "    inliers = np.arange(len(points)) < {}\n"
         "    return None, inliers\n"
     )
-    for card in cards_about(source, "ransac_line"):
-        assert "line, inliers" in card.code.split("\n")[-1] or "abs" in card.code, card
+    assert len(cards_about(source.format("2"), "ransac_line")) == 2
+    assert cards_about(source.format("rng % 2"), "ransac_line") == []
 
 
 def test_cards_are_escaped_and_can_be_printed_as_text(capsys):

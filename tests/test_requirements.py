@@ -18,6 +18,7 @@ NEEDED_BY = {
     "utils/scene3d/with_pyvista.py": "requirements-3d.txt",
     "solutions/": "requirements.txt",
     "docs/": "requirements-site.txt",
+    "extension/": "requirements.txt",
     "grader/": "requirements.txt",
     "grader/classroom/cluster.py": "requirements-cluster.txt",
     "grader/classroom/worker_plugin.py": "requirements-cluster.txt",
