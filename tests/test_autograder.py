@@ -160,16 +160,16 @@ def test_each_file_that_is_not_judged_is_listed(root, judged_calls):
     assert not judged_calls
 
 
-@pytest.mark.parametrize("of", ["the file", "its folder"])
-def test_a_link_to_the_solution_is_not_an_answer(root, judged_calls, of):
+@pytest.mark.parametrize("target", ["the file", "its folder"])
+def test_a_link_to_the_solution_is_not_an_answer(root, judged_calls, target):
     """The autograder runs as root, but reads only the submission and does not follow links."""
-    if of == "the file":
+    if target == "the file":
         (root / "submission" / f"{SIX.name}.ipynb").symlink_to(SIX.solved)
     else:
         (root / "submission" / "work").symlink_to(SIX.solved.parent)
     judge_root(root)
     assert all("link" in complaint for *_, complaint in judged_calls)
-    assert len(judged_calls) == (of == "the file")
+    assert len(judged_calls) == (target == "the file")
 
 
 def test_an_assignment_may_consist_of_one_lesson(root, judged_calls):

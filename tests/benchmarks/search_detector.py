@@ -12,8 +12,8 @@ centroid of a voxel is up to half a voxel inside the surface, which matters for 
 for a car. The result is the mean difference from the current score on these streets, with a
 jackknife standard error.
 
-Lesson 12 keeps the current parameters. Its detector also drives a car whose scanner produces a third
-of the returns. With a minimum of 30 points, that car would detect a child too late.
+Lesson 12 keeps the current parameters. Its detector also drives a car whose scanner produces a
+third of the returns. With a minimum of 30 points, that car would detect a child too late.
 
     python tests/benchmarks/search_detector.py
 """
