@@ -709,7 +709,7 @@ def test_films_and_pages_are_written(tmp_path):
         trip.save(tmp_path / "film.avi")
 
 
-def test_the_command_drives_and_compares(capsys, monkeypatch):
+def test_the_command_drives_and_compares(capsys):
     assert command.main(["--street", "1", "--seconds", "1"]) == 0
     output = capsys.readouterr().out
     assert "Street 1 · A quiet street: 8 m in 1 s.\n  Mean speed: 30 km/h." in output

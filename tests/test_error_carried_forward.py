@@ -112,9 +112,8 @@ def copied_lesson(tmp_path, monkeypatch):
     shutil.copy(PLANE.solved, folder.parent)
     monkeypatch.setattr(Lesson, "source", folder / PLANE.source.name)
     monkeypatch.setattr(Lesson, "solved", folder.parent / PLANE.solved.name)
-    monkeypatch.setattr(
-        judging, "verdict_key", lambda *about: ""
-    )  # the key covers only the project's own files
+    # The key covers only the project's own files.
+    monkeypatch.setattr(judging, "verdict_key", lambda *about: "")
     return Lesson(PLANE.name, PLANE.stage)
 
 

@@ -195,8 +195,8 @@ def test_marks_of_students_who_are_not_on_the_roster_are_reported():
 # Marks of one assignment
 
 
-def exported_marks(assignment, results=CLASS, **order):
-    export = collect_marks(ExportOptions(Course(), results, assignment, **order))
+def exported_marks(assignment, results=CLASS, **options):
+    export = collect_marks(ExportOptions(Course(), results, assignment, **options))
     return export, {mark.person.id: mark.points for mark in export.marks}
 
 
@@ -349,7 +349,7 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
         assert "gradebook contains no marks. Run: python -m grader grade" in capsys.readouterr().err
 
 
-def test_the_table_is_exported_by_default(export, tmp_path, capsys):
+def test_the_table_is_exported_by_default(export, tmp_path):
     assert export() == commands.SUCCESS
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8-sig") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}

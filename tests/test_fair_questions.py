@@ -348,7 +348,7 @@ def test_a_key_does_not_depend_on_the_choice_of_singular_vectors(sandbox):
     )
     code = cases_of("plane_through")[2].code
     line = next(line.number for line in known.lines if "svd" in line.text)
-    (values,) = [known.own[2].values(line, name) for name in ("directions",)]
+    values = known.own[2].values(line, "directions")
     vectors = ValueClaim(code, line, "directions", 0, values[0])
     rows = ValueClaim(code, line - 1, "rows", 0, known.own[2].values(line - 1, "rows")[0])
     normal = OutcomeClaim(code, None, known.own[2].outcome)

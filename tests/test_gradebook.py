@@ -359,9 +359,9 @@ def test_a_copy_of_another_verdict_is_replaced(entered_course, content):
 
 def register(course):
     with gradebook.open_gradebook(course) as book:
-        told = []
-        register_stages(course, book, [STAGE], told.append)
-        return told, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
+        notices = []
+        register_stages(course, book, [STAGE], notices.append)
+        return notices, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
 
 
 def test_only_released_lessons_are_registered(course):
@@ -472,9 +472,8 @@ def test_manual_marks_and_comments_are_never_removed(entered_course, manual):
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert sentence.startswith(f"ada, {STAGE}: the submission is gone")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
-    assert {student for student, _ in marks(entered_course)} == {
-        "ada"
-    }  # Bob's submission is removed
+    remaining = {student for student, _ in marks(entered_course)}
+    assert remaining == {"ada"}, "Bob's submission is removed"
     assert (entered_course.autograded / "ada" / STAGE).is_dir()
 
 

@@ -633,7 +633,7 @@ def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
 
 
 @pytest.mark.proof
-def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
+def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch):
     """Run the command on real submissions in the first two streets."""
     answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
     submitted_files = {

@@ -97,7 +97,7 @@ def test_the_report_on_a_section_names_only_its_students(course, capsys):
     assert (course.report / "index.html").read_text("utf-8") == whole
 
 
-def test_the_export_of_a_section_has_its_own_file(course, capsys):
+def test_the_export_of_a_section_has_its_own_file(course):
     for format, ending in (("csv", "csv"), ("exercises", "exercises.csv")):
         assert run("export", "--format", format, "--section", "a/1") == commands.SUCCESS
         path = course.root / f"scores.A_1.{ending}"

@@ -343,7 +343,7 @@ def test_the_numbers_about_a_pair_are_counted():
     answers["dee"] = answer(
         "get_bounding_boxes", "def get_bounding_boxes(a, b):\n    extremes = {}\n    return None"
     )
-    ((pair),) = compare("get_bounding_boxes", answers, [answers["dee"]] * 4).pairs
+    (pair,) = compare("get_bounding_boxes", answers, [answers["dee"]] * 4).pairs
     assert pair.students == ("bo", "cy")
     assert pair.share == 1.0
     assert pair.step_counts == (14, 14)
@@ -387,9 +387,9 @@ def last_two(course):
 
 
 def test_a_stage_is_compared_and_shown(course):
-    compared_ = compare_stage(course, LESSON.stage)
-    assert [pair.students for pair in compared_.pairs] == [last_two(course)]
-    page = write_similarity(course, compared_).read_text("utf-8")
+    result = compare_stage(course, LESSON.stage)
+    assert [pair.students for pair in result.pairs] == [last_two(course)]
+    page = write_similarity(course, result).read_text("utf-8")
     assert page.count('class="code"') == 2
     assert "numpy.minimum(smallest, p)" in page
     assert "have the same steps and differ only in names and other details." in page
@@ -408,9 +408,9 @@ def test_names_are_shown_as_in_the_report(course):
     first, second = last_two(course)
     roster = f"id,first_name,last_name\n{first},Ada,Ash\n{second},,\n"
     (course.root / "roster.csv").write_text(roster)
-    compared_ = compare_stage(course, LESSON.stage)
-    assert compared_.pairs[0].students == (f"{first} (Ada Ash)", second)
-    page = write_similarity(course, compared_).read_text("utf-8")
+    result = compare_stage(course, LESSON.stage)
+    assert result.pairs[0].students == (f"{first} (Ada Ash)", second)
+    page = write_similarity(course, result).read_text("utf-8")
     assert f"{first} (Ada Ash) and {second}" in page
 
 
@@ -420,9 +420,9 @@ def test_a_declared_team_is_mentioned_but_not_reported(course):
         submit(course, student, fill_in(LESSON, {"get_bounding_boxes": ORIGINAL}))
     assert compare_stage(course, LESSON.stage).shared_notebooks
     declare_team(course, first, second)
-    compared_ = compare_stage(course, LESSON.stage)
-    assert (compared_.pairs, compared_.shared_notebooks) == ((), ())
-    page = write_similarity(course, compared_).read_text("utf-8")
+    result = compare_stage(course, LESSON.stage)
+    assert (result.pairs, result.shared_notebooks) == ((), ())
+    page = write_similarity(course, result).read_text("utf-8")
     assert f"not compared with each other: {first} and {second}." in page
     declare_team(course, first, "s0")
     assert compare_stage(course, LESSON.stage).shared_notebooks, "two students of different teams"
@@ -505,10 +505,10 @@ HOSTILE = {
 def test_a_hostile_notebook_affects_only_its_author(kind, course):
     pair = last_two(course)
     submit(course, "a", fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]}))
-    compared_ = compare_stage(course, LESSON.stage)
-    assert [found.students for found in compared_.pairs] == [pair]
-    assert {student for student, *_ in compared_.problems} <= {"a"}
-    assert write_similarity(course, compared_).stat().st_size < 200_000
+    result = compare_stage(course, LESSON.stage)
+    assert [found.students for found in result.pairs] == [pair]
+    assert {student for student, *_ in result.problems} <= {"a"}
+    assert write_similarity(course, result).stat().st_size < 200_000
 
 
 def test_an_answer_that_is_too_long_is_reported():

@@ -32,7 +32,7 @@ MOST = (10.0, 40.0, 50.0, 30.0)
 DROP, PASS = TermRules(drop_lowest=1), TermRules(pass_mark=50)
 
 
-def notebooks(*scores, standing=None, penalties=(0.0,) * 4, student="ada"):
+def notebooks(*scores, status=None, penalties=(0.0,) * 4, student="ada"):
     """Return results in the lessons; a score of None is missing work, and (x,) waits."""
     found = []
     for lesson, most, score, penalty in zip(LESSONS, MOST, scores, penalties, strict=False):
@@ -40,7 +40,7 @@ def notebooks(*scores, standing=None, penalties=(0.0,) * 4, student="ada"):
         (score,) = score if waits else (score,)
         state = WAITING if waits else MISSING if score is None else MARKED
         stage = find_lesson(lesson).stage
-        about = (student, stage, lesson, standing or state, score, most, penalty)
+        about = (student, stage, lesson, status or state, score, most, penalty)
         found.append(NotebookResult(*about))
     return found
 
@@ -103,11 +103,11 @@ def test_equal_lessons_are_left_out_in_their_order():
 
 
 def test_excused_lessons_are_neither_dropped_nor_counted():
-    results = notebooks(9.0, 20.0) + notebooks(1.0, 1.0, 1.0, 1.0, standing=EXCUSED)[2:]
+    results = notebooks(9.0, 20.0) + notebooks(1.0, 1.0, 1.0, 1.0, status=EXCUSED)[2:]
     assert total(results, DROP) == (9.0, 10.0, ["02"])
-    for standing in (EXCUSED, AUDITOR):
+    for status in (EXCUSED, AUDITOR):
         term = term_result(
-            notebooks(9.0, None, standing=standing), TermRules(drop_lowest=1, pass_mark=50)
+            notebooks(9.0, None, status=status), TermRules(drop_lowest=1, pass_mark=50)
         )
         assert (term.points, term.max_score, term.dropped, term.passed) == (None, 0.0, (), None)
         assert describe_term(term, PASS) == "No lesson counts."
@@ -178,7 +178,7 @@ def class_with(rules):
             ADA: notebooks(10.0, 40.0, 0.0, 3.0),
             BO: notebooks(None, None, None, None, student="bo"),
             CY: notebooks(10.0, 40.0, (50.0,), 30.0, student="cy"),
-            DEE: notebooks(9.0, 9.0, 9.0, 9.0, student="dee", standing=AUDITOR),
+            DEE: notebooks(9.0, 9.0, 9.0, 9.0, student="dee", status=AUDITOR),
         },
         rules,
     )

@@ -409,10 +409,8 @@ def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(project_copy):
         ("grader/sandbox/inside/worker.py", ALL),
         ("data/cloud.txt", ALL),
         ("solutions/stage3_obstacles/06_filter_ground/hidden_tests.py", ("06",)),
-        (
-            "solutions/stage2_clustering/05_euclidean_clustering/lesson.py",
-            ("05",),
-        ),  # contains the list of forbidden modules
+        # This file contains the list of forbidden modules.
+        ("solutions/stage2_clustering/05_euclidean_clustering/lesson.py", ("05",)),
         ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # contains the right helpers
         ("utils/checks/clusters.py", ("05", "10")),
     ],

@@ -77,9 +77,8 @@ def judge_with(monkeypatch):
             return step(name, context, dataclasses.replace(again, outcomes=outcomes))
 
         monkeypatch.setattr(judging, "run_program", run)
-        monkeypatch.setattr(
-            judging, "_full_mark_decisions", {}
-        )  # clears the cache of right submissions
+        # Clear the cache of right submissions.
+        monkeypatch.setattr(judging, "_full_mark_decisions", {})
         monkeypatch.setattr(judging, "reference_failures", lambda *about: complaints)
         monkeypatch.setattr(
             judging,

@@ -204,7 +204,7 @@ def test_workers_can_be_forked_concurrently():
     assert sorted(seen) == list(range(6))
 
 
-def test_a_killed_judge_leaves_no_processes(tmp_path):
+def test_a_killed_judge_leaves_no_processes():
     """The worker and the fork server end when the judge is killed and cannot clean up."""
     program = (
         "import sys, time\nfrom grader.sandbox import SANDBOXES, Limits\n"

@@ -111,9 +111,7 @@ def collect_outputs(tmp_path, capsys):
         "in a place in the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_feedback_does_not_reveal_hidden_input(
-    body, submit, filter_lesson, collect_outputs, tmp_path
-):
+def test_feedback_does_not_reveal_hidden_input(body, submit, filter_lesson, collect_outputs):
     """No output shows hidden input, wherever the answer puts it."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
     verdict = submit({"filter_ground": source})

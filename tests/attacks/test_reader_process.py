@@ -20,7 +20,7 @@ from grader.lms.autograded_copy import graded_cells
 from grader.lms.results import WAITING
 from grader.lms.results_reader import class_results
 from tests.executors import InlineExecutor
-from tests.test_faults import record_rehearsal
+from tests.graded_courses import record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")

@@ -404,8 +404,8 @@ def f(calls):
     calls["ioctl for a file system"] = [
         system_call_numbers["ioctl"],
         0,
-        0xC020660B,
-    ]  # FS_IOC_FIEMAP
+        0xC020660B,  # FS_IOC_FIEMAP
+    ]
     calls["futex with requeueing"] = [system_call_numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
         system_call_numbers["clone"],

@@ -67,7 +67,7 @@ def test_a_link_is_not_followed(course, tmp_path):
     assert not course.submitted.exists()
 
 
-def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
+def test_zip_bombs_are_refused_with_a_reason(course):
     zeros = b'{"cells": [], "x": "' + b"0" * (8 * 2**20) + b'"}'
     deep = notebook(NINE)
     for _ in range(4):
@@ -98,7 +98,7 @@ def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
     assert "unpacks to more than" in questions(outcome)["ada/homework.zip"]
 
 
-def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
+def test_a_zip_with_a_password_becomes_a_question(course):
     data = bytearray(make_zip([(f"{SIX}.ipynb", notebook())]))
     for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         data[data.find(signature) + place] |= 1

@@ -272,10 +272,11 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
     rows = [(5001, "Ada Lovelace", "x" * 140_000, "ada@x.edu", "14 October 2026, 2:14 PM")]
     table.write_text(worksheet(rows), "utf-8")
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
+    # The code runs in its own process, where no other test has raised the limit.
     code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
         "from grader.classroom.collect.submission_table import read_submission_table; "
         f"print(len(read_submission_table(Path({str(table)!r}), None).rows))"
-    )  # in its own process, where no other test has raised the limit
+    )
     result = subprocess.run(
         [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True
     )

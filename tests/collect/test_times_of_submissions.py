@@ -89,9 +89,8 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
         == outcome.undecided["ada"]
         == f"the submission time of {EIGHT}.ipynb is unknown"
     )
-    collect(
-        course, lesson_archive(course, EIGHT), times=write_table(course, EARLY)
-    )  # the same file again
+    # The same file is collected again.
+    collect(course, lesson_archive(course, EIGHT), times=write_table(course, EARLY))
     assert time_of(course) == utc(LATE)
 
 
