@@ -578,7 +578,9 @@ def test_names_in_the_ranking_are_on_one_line(league_files, tmp_path):
 
 def test_each_value_has_a_label_on_a_phone(league_files):
     """Narrow screens hide the headings and show labels; the first cell is the row's title."""
-    for table in re.findall("<table.*?</table>", league_files[0], re.DOTALL):
+    tables = re.findall("<table.*?</table>", league_files[0], re.DOTALL)
+    assert tables
+    for table in tables:
         headings = re.findall('<th(?: class="number")?>(.*?)</th>', table)
         for row in re.findall("<tr.*?</tr>", table.partition("<tbody>")[2], re.DOTALL):
             labels = re.findall('<td[^>]* data-head="(.*?)"', row)

@@ -282,7 +282,7 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
 def test_every_glossary_link_of_a_lesson_has_an_entry():
     for lesson in all_lessons():
         linked = glossary.link_terms(lesson.released.read_text("utf-8"))
-        assert "(../words.md)" not in linked, lesson.name
+        assert "{term}" in linked and "(../words.md)" not in linked, lesson.name
 
 
 FILMED = [lesson for lesson in all_lessons() if (lesson.folder / "film.toml").exists()]

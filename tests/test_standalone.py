@@ -61,7 +61,9 @@ def test_each_lesson_has_one_small_notebook(written_folder):
 def test_notebooks_written_again_have_the_same_bytes(written_folder, tmp_path):
     standalone.setup_cell.cache_clear()
     standalone.write_standalone(tmp_path, [LESSON.stage])
-    for path in tmp_path.iterdir():
+    paths = list(tmp_path.iterdir())
+    assert paths
+    for path in paths:
         assert path.read_bytes() == (written_folder / path.name).read_bytes()
 
 
