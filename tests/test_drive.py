@@ -200,13 +200,13 @@ def decide(*scans, speed=7.0):
 
 def test_obstacles_in_the_lane_for_a_single_scan_do_not_stop_the_car():
     """A raindrop next to a lorry extends the lorry's box into the ego car's lane for one scan."""
-    beside = [tracked_box(2.6 + 6.0, 1.9, name=name) for name in range(3)]
-    reaching = [tracked_box(2.6 + 6.0, 1.6, name=name) for name in range(3)]
-    scans = [[reaching[k] if k == scan else beside[k] for k in range(3)] for scan in range(3)]
+    next_to_lane = [tracked_box(2.6 + 6.0, 1.9, name=name) for name in range(3)]
+    in_lane = [tracked_box(2.6 + 6.0, 1.6, name=name) for name in range(3)]
+    scans = [[in_lane[k] if k == scan else next_to_lane[k] for k in range(3)] for scan in range(3)]
     assert [decision.cause for decision in decide(*scans)] == [None, None, None]
     assert [decision.acceleration for decision in decide(*scans)] == [0.0, 0.0, 0.0]
-    decisions = decide(*[[*scan, reaching[0]] for scan in scans[1:]], scans[0])
-    assert decisions[-1].cause is reaching[0], "one of the obstacles stays in the lane"
+    decisions = decide(*[[*scan, in_lane[0]] for scan in scans[1:]], scans[0])
+    assert decisions[-1].cause is in_lane[0], "one of the obstacles stays in the lane"
 
 
 def test_a_track_over_the_car_counts_only_if_it_is_usually_seen():
@@ -709,7 +709,7 @@ def test_films_and_pages_are_written(tmp_path):
         trip.save(tmp_path / "film.avi")
 
 
-def test_the_command_drives_and_compares(capsys, monkeypatch):
+def test_the_command_drives_and_compares(capsys):
     assert command.main(["--street", "1", "--seconds", "1"]) == 0
     output = capsys.readouterr().out
     assert "Street 1 · A quiet street: 8 m in 1 s.\n  Mean speed: 30 km/h." in output
