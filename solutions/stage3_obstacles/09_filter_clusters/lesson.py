@@ -512,7 +512,7 @@ drive_with(10) if is_written(filter_clusters) else print(
 #
 # <details><summary>An answer</summary>
 #
-# With 30, the person has a box nearly everywhere up to 6 m, in fewer than half of the places from 7 m to 13.5 m, and hardly anywhere beyond 14 m. The steps before yours keep one point per cube of 20 cm, and a few centimetres decide how many cubes have a point. At the start, 25 points are left. If you drag the person 20 cm to the left, there are 35.
+# With 30, the person has a box nearly everywhere up to 6 m, in fewer than half of the places from 7 m to 13.5 m, and hardly anywhere beyond 14 m. The steps before yours keep one point per cube of 20 cm, and a few centimetres decide how many cubes have a point. At the start, 25 points are left. At y = -0.4, only 20 cm farther to the left, there are 35.
 #
 # The largest minimum is 20, and it is only just small enough. In 110 places, half a metre apart, the smallest cluster has 20 points. For the person at the start, the car then brakes with 9 m to go, and stops in time. With 30, it brakes with 3 m to go, and hits the person at 19 km/h.
 #

@@ -235,7 +235,7 @@ def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson_run, minimum, 
     ("place", "points", "has_box", "words"),
     [
         ((11.0, -0.6), 25, False, "At the start, 25 points are left"),
-        ((11.0, -0.4), 35, True, "20 cm to the left, there are 35"),
+        ((11.0, -0.4), 35, True, "At y = -0.4, only 20 cm farther to the left, there are 35"),
         ((11.0, -3.0), 4, False, "at (11, -3), only 4 points are left"),
     ],
 )
