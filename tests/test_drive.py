@@ -23,6 +23,7 @@ from utils.drive.ground_truth import distances_to_objects
 from utils.drive.loop import drive
 from utils.drive.metrics import measure
 from utils.drive.motion import Motion, make_motion, match_by_total_distance
+from utils.drive.person import BRAKING_RANGE, SCENERY, look_at_person, street_with_person
 from utils.drive.planner import Planner, TrackedBox, braking_gap, gap_to, plan
 from utils.drive.rules import stopping_distance
 from utils.drive.standards import DriveResult, reference_results
@@ -675,6 +676,38 @@ def test_only_actors_are_in_the_lane_of_the_ego_car(street):
         across = abs(obstacle.pose.y + 1.2)
         assert across - obstacle.size[1] / 2 > 1.3 or abs(obstacle.pose.y) > 5
     assert all(kind in CLASSES for kind in street.road_users.values())
+
+
+@pytest.mark.parametrize(
+    ("place", "has_box", "brakes"),
+    [
+        ((BRAKING_RANGE - 1.0, 0.0), True, True),
+        ((BRAKING_RANGE + 1.0, 0.0), True, False),  # too far away
+        ((10.0, 2.2), True, False),  # next to our lane
+        ((11.0, -3.2), False, False),  # hidden by a parked car
+    ],
+)
+def test_a_person_is_seen_and_the_car_brakes_in_its_way(place, has_box, brakes):
+    seen = look_at_person(*place, lambda labels: labels * (np.bincount(labels) >= 10)[labels])
+    assert (seen.has_box, seen.brakes) == (has_box, brakes)
+    assert seen.returns >= seen.points > 0
+    blind = look_at_person(*place, np.zeros_like)
+    assert (blind.returns, blind.points) == (seen.returns, seen.points)
+    assert not blind.has_box and not blind.brakes
+
+
+def test_a_person_shares_the_cluster_of_a_parked_car():
+    assert look_at_person(9.0, -1.6, lambda labels: labels).points > 150
+
+
+def test_the_parked_cars_are_where_they_are_drawn():
+    street = street_with_person(12.0, 0.5)
+    *cars, person = street.world(0.0, 40.0, {}).obstacles[-3:]
+    assert (person.pose.x, person.pose.y) == pytest.approx((12.0, 0.5))
+    drawn = np.array(SCENERY["rectangles"]["parked cars"])
+    centres = [(one.pose.x, one.pose.y) for one in cars]
+    assert (drawn[:, :2] + drawn[:, 2:]) / 2 == pytest.approx(np.array(centres))
+    assert drawn[:, 2:] - drawn[:, :2] == pytest.approx(np.array([one.size[:2] for one in cars]))
 
 
 def test_results_of_drives_are_summed():
