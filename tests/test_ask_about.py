@@ -17,7 +17,7 @@ from grader.course.build import secret_lines
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import every_lesson
 from tests.course_lessons import COURSE
-from utils import ask_about
+from utils import ask_about, check
 from utils.checks.waiting_cells import record_result
 from utils.notebooks import slicing
 from utils.notebooks.reading import decode_notebook
@@ -102,7 +102,7 @@ def test_the_same_code_gets_the_same_questions():
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
-        (GROUND, "This cell waits until filter_ground passes its checks without a note."),
+        (GROUND, "This cell waits until filter_ground passes its checks."),
         (
             "def filter_ground(cloud, ground_level=-1.2):\n    raise NotImplementedError\n",
             "This cell waits until filter_ground is written.",
@@ -112,6 +112,14 @@ def test_the_same_code_gets_the_same_questions():
 def test_an_unchecked_function_gets_one_sentence_and_no_question(source, sentence, capsys):
     ask_about(run_cell(source)["filter_ground"])
     assert capsys.readouterr().out.strip() == sentence
+
+
+def test_an_allowed_answer_with_a_note_gets_questions(capsys):
+    names = run_cell(GROUND.replace(">=", ">"))
+    check(names["filter_ground"])
+    assert "[note]" in capsys.readouterr().out
+    ask_about(names["filter_ground"])
+    assert "waits until" not in capsys.readouterr().out
 
 
 def test_a_function_that_changed_after_its_check_gets_no_questions_yet(capsys):

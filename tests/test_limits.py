@@ -110,6 +110,14 @@ def test_an_endless_loop_is_stopped_even_without_threads(monkeypatch):
     assert sys.gettrace() is None
 
 
+def test_a_limit_that_passes_at_the_end_of_a_call_does_not_escape(monkeypatch):
+    """Without threads, the end of the context would be the first code that could be interrupted."""
+    monkeypatch.setattr(threading.Thread, "start", fail_to_start)
+    with limit_resources(0.01):
+        time.sleep(0.05)
+    assert sys.gettrace() is None
+
+
 def test_a_check_prints_the_same_text_without_threads(declarations, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.5)
     monkeypatch.setattr(threading.Thread, "start", fail_to_start)
