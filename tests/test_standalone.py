@@ -54,7 +54,7 @@ def test_each_lesson_has_one_small_notebook(written_folder):
         lesson.name for lesson in all_lessons()
     ]
     for path in written_folder.iterdir():
-        assert path.stat().st_size < 490_000
+        assert path.stat().st_size < 500_000
         nbformat.validate(nbformat.read(path, as_version=4))
 
 

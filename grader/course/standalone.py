@@ -27,7 +27,7 @@ BADGE_TEXT = (
     "Code or JupyterLab with NumPy, SciPy and matplotlib installed.*"
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
-MAX_NOTEBOOK_BYTES = 490_000
+MAX_NOTEBOOK_BYTES = 500_000
 
 
 class ReleaseError(Exception):
