@@ -370,8 +370,8 @@ def test_ransac_needs_fewer_rounds_below_the_ground_level():
         share = is_near[kept].mean()
         rounds.append(np.log(0.001) / np.log(1 - share**3))
     assert round(100 * is_near[in_region & (points[:, 2] < -1.2)].mean()) == 85
-    assert abs(is_near[in_region].mean() - 0.5) < 0.02
-    assert np.ceil(rounds[0]) == 8 and abs(rounds[1] - 60) < 3
+    assert abs(is_near[in_region].mean() - 0.49) < 0.01
+    assert np.ceil(rounds[0]) == 8 and abs(rounds[1] - 57) < 2
 
 
 def test_the_road_reaches_the_ground_level_24_m_ahead():
@@ -522,11 +522,11 @@ def test_most_boxes_move_half_a_metre_per_frame(lesson_names):
     assert np.mean([len(boxes) for boxes in lesson_names["detected"]]) == pytest.approx(30, abs=2)
 
 
-def test_oncoming_cars_approach_twice_as_fast_as_parked_cars(lesson_names):
+def test_oncoming_cars_come_one_metre_nearer_per_frame(lesson_names):
     speeds = {
         box.velocity[0] for box in lesson_names["city"][0].boxes if box.kind in ("car", "truck")
     }
-    assert (5.0 - min(speeds)) / 5.0 == pytest.approx(2, abs=0.1)
+    assert 0.1 * (5.0 - min(speeds)) == pytest.approx(1, abs=0.05)
 
 
 def test_the_ringed_box_holds_two_objects_that_had_boxes_before(lesson_names):
@@ -696,7 +696,7 @@ def test_stored_answers_are_listed_and_sittings_are_marked():
     assert all(f"def {name}(" in TEXT for name in header.lent)
     cells = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     stops = sum("**A good place to stop.**" in "".join(cell["source"]) for cell in cells)
-    assert stops == 2
+    assert stops == 3
 
 
 def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
