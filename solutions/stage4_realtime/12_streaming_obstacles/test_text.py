@@ -560,11 +560,13 @@ def test_at_no_distance_are_both_mistakes_zero(lesson_names, tracked_objects):
 def test_a_minimum_of_100_points_makes_the_car_hit_the_cyclist(lesson_names):
     """Drive as the cell of the lesson does; the detector's computing time does not count."""
     collisions = []
-    for least in (10, 100):
+    for least in (10, 45, 50, 100):
         detect = functools.partial(lesson_names["detect_obstacles"], min_num_points=least)
         trip = drive_street(3, detect, seconds=10, clock=on_time)
         collisions.append(str(trip.report.collision or ""))
-    assert not collisions[0] and "cyclist" in collisions[1] and "never had a box" in collisions[1]
+    assert collisions[:2] == ["", ""] and "a cyclist at 17 km/h" in collisions[2]
+    assert "for the first time 1.2 s before" in collisions[2]
+    assert "cyclist" in collisions[3] and "never had a box" in collisions[3]
 
 
 def test_three_wrong_detectors_lose_what_the_answer_says(lesson_names):
