@@ -124,9 +124,7 @@ def test_the_tiny_case_and_the_answer_of_begins_of_are_right():
 def test_the_drawn_pointer_follows_the_first_column(python_functions):
     """The columns have the stated window, and half of the 25 columns are visited."""
     cell = cell_with("Draw the columns and the pointer")
-    first, second = (
-        ast.literal_eval(found) for found in re.findall(r"\(0, 1, [^)]*\)", cell)[:2]
-    )
+    first, second = (ast.literal_eval(found) for found in re.findall(r"\(0, 1, [^)]*\)", cell)[:2])
     window = [height for height in second if abs(height - 4) <= 2]
     assert window[0] == 2 and set(window) <= set(range(2, 7))
     assert next(height for height in second if height >= first[first.index(4) + 1] - 2) == 4
