@@ -941,7 +941,7 @@ plots.ring(axes, -2.8, 4.1, radius=1.3, text="what is this box?");
 # %% [markdown]
 # ## Part 3 · Two reports
 #
-# Now you test your detector and your tracker.
+# Now you test your detector and your tracker. Each report takes about 25 minutes.
 #
 # ## Second data set (5 points, read by a person)
 #

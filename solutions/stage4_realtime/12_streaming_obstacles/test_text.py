@@ -699,6 +699,11 @@ def test_stored_answers_are_listed_and_sittings_are_marked():
     cells = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     stops = sum("**A good place to stop.**" in "".join(cell["source"]) for cell in cells)
     assert stops == 3
+    rows = re.findall(
+        r"<td>[^<]*read by a person\)</td><td>(\d+)</td>", "".join(cells[0]["source"])
+    )
+    (stated,) = re.findall(r"Each report takes about (\d+) minutes", TEXT)
+    assert [int(minutes) for minutes in rows] == pytest.approx([int(stated)] * 2, abs=2)
 
 
 def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
