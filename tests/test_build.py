@@ -314,7 +314,7 @@ def test_minutes_are_estimated_from_the_content_of_cells(toy):
     answer = "for the grader's eyes " * 100
     report = f'# %% [markdown] nbgrader={{"grade": true}}\n# {answer}\n'
     cells.cells += jupytext.reads(report, fmt="py:percent").cells
-    assert durations.section_minutes(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
+    assert durations.section_minutes(cells)["Long"] == pytest.approx(34.26 + 24, abs=0.05)
 
 
 @pytest.mark.parametrize(

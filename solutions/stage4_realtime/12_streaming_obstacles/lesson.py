@@ -999,9 +999,13 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The 
 #
 # <details><summary>Hint 1</summary>
 #
-# Collect the numbers first: `seconds_by_step`, `sweep`, `mistakes_of`. To find failures, draw the found and the true boxes for the frame with the worst score.
+# Collect the numbers first: `seconds_by_step`, `sweep`, `mistakes_of`.
 # </details>
 # <details><summary>Hint 2</summary>
+#
+# To find a failure, draw the found and the true boxes for the frame with the worst score.
+# </details>
+# <details><summary>Hint 3</summary>
 #
 # "It works well" is not a result. "Recall 0.6 ± 0.1 at an overlap of 0.5, over eight streets" is a result.
 # </details>
