@@ -20,7 +20,7 @@
 # - write code that the compiler accepts, and say what the first call costs,
 # - join groups with union-find, and stop as soon as the answer is known.
 #
-# **You write** five small functions. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in three sittings of about 50, 50 and 40 minutes.
+# **You write** five small functions, and a sixth that is not checked. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in three sittings of about 50, 50 and 40 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
