@@ -24,7 +24,7 @@ WORDS_PER_MINUTE = 100
 LINES_PER_MINUTE = 8  # lines of code that students read
 MINUTES_PER_EXERCISE, MINUTES_PER_LINE = 3, 1.8  # code that students write
 MINUTES_PER_NOTEBOOK = 0.5  # finding the functions of an earlier notebook and pasting them
-MINUTES_PER_REPORT = 15  # writing an answer that a person grades
+MINUTES_PER_REPORT = 24  # writing an answer that a person grades
 MINUTES_FOR_QUESTIONS = 3  # answering the two questions about a function
 MAX_MINUTES_WITHOUT_STOP = 90
 # A comment on lines that students write or change, with their number if there are several.

@@ -1,6 +1,6 @@
 """Draw the preview pictures of the lessons: ``python -m grader.course.previews [05 06 ...]``.
 
-Each lesson has a ``preview.py`` with a function `draw` that returns a matplotlib figure.
+Each of the course's lessons has a ``preview.py`` with a function `draw` that returns a figure.
 """
 
 import importlib
@@ -15,7 +15,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from PIL import Image  # noqa: E402
 
-from grader.course.lessons import all_lessons  # noqa: E402
+from grader.course.lessons import every_lesson  # noqa: E402
 
 DOTS_PER_INCH = 110
 # Every notebook contains its preview. Reducing the colours to this number halves the size of the
@@ -25,7 +25,7 @@ PALETTE_SIZE = 128
 
 def main(numbers: Sequence[str]) -> None:
     """Draw the previews of the numbered lessons; without numbers, of all lessons."""
-    for lesson in all_lessons():
+    for lesson in every_lesson():
         if numbers and lesson.number not in numbers:
             continue
         preview = f"solutions.{lesson.stage}.{lesson.name}.preview"

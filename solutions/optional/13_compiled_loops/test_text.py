@@ -2,6 +2,7 @@
 
 import ast
 import re
+import textwrap
 from types import FunctionType, SimpleNamespace
 
 import nbformat
@@ -75,9 +76,9 @@ def test_it_belongs_to_no_stage_and_gives_no_points():
     assert LESSON.released.exists() and LESSON.solved.exists()
 
 
-def test_it_takes_two_sittings():
+def test_it_takes_three_sittings():
     sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
-    stated = re.search(r"in two sittings of about (\d+) and (\d+) minutes", TEXT).groups()
+    stated = re.search(r"in three sittings of about (\d+), (\d+) and (\d+) minutes", TEXT).groups()
     assert sittings == pytest.approx([int(minutes) for minutes in stated], rel=0.1)
     assert max(sittings) <= durations.MAX_MINUTES_WITHOUT_STOP
 
@@ -107,6 +108,27 @@ def test_each_column_of_cells_is_apart_from_the_next(python_functions):
     numbers = python_functions.sort_by_cell(points, 1.0)[3]
     lower, upper = numbers[:5], numbers[5:]
     assert upper[0] - lower[-1] > 2  # no cell of the next column is within two steps along z
+
+
+def test_the_tiny_case_and_the_answer_of_begins_of_are_right():
+    (answer,) = re.findall(r"# ```python\n((?:#     .*\n)+)# ```\n# </details>", TEXT)
+    loop = answer.replace("# ", "", answer.count("# "))
+    (values,) = re.findall(r'print\("begins:", begins_of\((\[.*?\])\)', TEXT)
+    names = {"values": ast.literal_eval(values), "begins": [0]}
+    exec(textwrap.dedent(loop), names)
+    expected = [*names["begins"], len(names["values"])]
+    assert f"expected: {expected}" in TEXT
+    assert "groups begin at 0, 3 and 5" in TEXT and expected == [0, 3, 5, 6]
+
+
+def test_the_drawn_pointer_follows_the_first_column(python_functions):
+    """The columns have the stated window, and half of the 25 columns are visited."""
+    cell = cell_with("Draw the columns and the pointer")
+    first, second = (ast.literal_eval(found) for found in re.findall(r"\(0, 1, [^)]*\)", cell)[:2])
+    window = [height for height in second if abs(height - 4) <= 2]
+    assert window[0] == 2 and set(window) <= set(range(2, 7))
+    assert next(height for height in second if height >= first[first.index(4) + 1] - 2) == 4
+    assert sum(1 for x in range(3) for y in range(-2, 3) if x or y >= 0) == 13
 
 
 def test_expected_outputs_are_right(python_functions):

@@ -321,7 +321,7 @@ def respects_max_distance(match_boxes: Callable) -> None:
 def is_one_to_one(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     # The nearer current box comes first, then last. No current box is near previous box 0.
-    previous, current = cubes([[-20, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
+    previous, current = cubes([[-5, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
     for ordered in (current, current[::-1]):
         answer = match_boxes(previous.copy(), ordered.copy(), 2.0)
         assert_one_to_one(answer, previous, ordered, "max_distance 2")
@@ -338,7 +338,7 @@ def is_one_to_one(match_boxes: Callable) -> None:
 )
 def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     require_matching(match_boxes)
-    previous, current = cubes([[-20, 0], [5, 0]]), cubes([[6.2, 0.3], [5.2, 0]])
+    previous, current = cubes([[-5, 0], [5, 0]]), cubes([[6.2, 0.3], [5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
     assert_matched(answer, [-1, 1], previous, current, [1], "max_distance 2")
 

@@ -137,14 +137,15 @@ def reads_only_its_rows(any_close: Callable) -> None:
 def is_strict(any_close: Callable) -> None:
     with precondition("the squared distance is compared with the limit"):
         compares_squares(any_close)
-    points = np.array([[1.0, 2.0, 0.5], [1.0, 2.5, 0.5]])
-    if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
-        raise CheckFailed(
-            "The squared distance of the two points equals the limit, so they are not close.",
-            input_text=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
-            yours="True",
-            expected="False",
-        )
+    # One pair along each axis: no change of a single difference keeps all three apart.
+    for points in (np.vstack([np.zeros(3), pair]) for pair in np.eye(3) / 2):
+        if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
+            raise CheckFailed(
+                "The squared distance of the two points equals the limit, so they are not close.",
+                input_text=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
+                yours="True",
+                expected="False",
+            )
 
 
 @visible_check(
