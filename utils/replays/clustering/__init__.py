@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
+from utils.checks.tips import unwritten_function
 from utils.replays.clustering.faults import find_first_fault
 from utils.replays.clustering.frames import ReplayFrame, format_label, frames_of
 from utils.replays.clustering.observer import (
@@ -40,7 +41,10 @@ def replay_clustering(euclidean_clustering: Callable) -> Replay:
     wrong = find_first_fault(euclidean_clustering, frames, answer, ending)
     count = max(MAX_STEPS, wrong.step + 1 if wrong else 0)
     steps = [ReplayStep(frame.description, frame.draw) for frame in frames[:count]]
-    return Replay(steps, wrong, _remark(ending, answer, frames, wrong))
+    remark = _remark(ending, answer, frames, wrong)
+    if unwritten_function(ending.error, euclidean_clustering):
+        remark += f" {describe_ending(ending, euclidean_clustering)}"
+    return Replay(steps, wrong, remark)
 
 
 def _remark(
