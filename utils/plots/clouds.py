@@ -179,7 +179,10 @@ def draw_groups(
     for group in groups:
         chosen = np.flatnonzero(group.mask) if group.strong else rows[group.mask[rows]]
         scale = max(1.6, 4.0 / size) if group.strong else 1.0
-        dots(axes, across[chosen], up[chosen], group.marker, group.colour, size * scale)
+        height = 7 if group.strong else 2  # strong points are above the sensor
+        dots(
+            axes, across[chosen], up[chosen], group.marker, group.colour, size * scale, zorder=height
+        )
     for group in reversed(groups):
         key(
             axes,
