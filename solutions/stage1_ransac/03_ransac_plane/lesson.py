@@ -983,6 +983,7 @@ won_by_ground = predict("In how many of the ten frames is the largest plane the 
 def open_drive(source):
     """Return the frames of a drive; each has a `cloud`."""
     from utils import fetch_recording
+    from utils.scenes import city_block
 
     return city_block(frames=30) if source == "simulated" else fetch_recording(source)
 
