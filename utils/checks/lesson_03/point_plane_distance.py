@@ -154,8 +154,8 @@ def measures_distances(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=2,
     title="Works for planes that do not pass through the sensor",
-    why="Without d, every plane passes through the sensor. With the wrong sign, the plane is as far "
-    "above the sensor as the road is below it.",
+    why="Without d, every plane passes through the sensor. With the wrong sign, the plane is as "
+    "far above the sensor as the road is below it.",
     hint="Add d, the last number of the plane, to a x + b y + c z.",
 )
 def adds_d(point_plane_distance: Callable) -> None:
