@@ -58,8 +58,8 @@ def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     # With min_samples=1, every point is a core point, so DBSCAN does single-linkage clustering.
     # DBSCAN joins pairs exactly at the radius and the exercise does not, so `remove_ties` removes
     # such pairs.
-    clusters = DBSCAN(eps=float(threshold), min_samples=1)
-    return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
+    clustering = DBSCAN(eps=float(threshold), min_samples=1)
+    return clustering.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
 @cached_by_content

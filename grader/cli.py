@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from grader import commands
+from grader import commands, console
 from grader.authoring.skeleton import DEFAULT_STAGE
 from grader.classroom.executors import processor_count
 from grader.course.extension import extension_constant
@@ -47,8 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return options.run(options)
     except UserError as error:
-        print(error, file=sys.stderr)
-        return commands.USAGE_ERROR
+        shown = console.printable_lines if error.is_multiline else console.printable_text
+        print(shown(error), file=sys.stderr)
+        return error.exit_status
     except KeyboardInterrupt:
         print(
             "\nStopped. Verdicts are kept. Run the same command again to continue.",

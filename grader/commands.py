@@ -6,45 +6,34 @@ Commands import most modules only when they run, so that ``--help`` is quick.
 from __future__ import annotations
 
 import argparse
-import contextlib
-import functools
 import itertools
 import json
 import sys
 import textwrap
-import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from grader import console
 from grader.course.lessons import stages
 from grader.course.paths import PROJECT, Course
+from grader.errors import FAULT, SUCCESS, USAGE_ERROR, UserError
 from grader.sandbox import AUTO, SANDBOXES, Sandbox, SandboxUnavailable, choose_sandbox
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from grader.classroom.grade import JudgedSubmissions
     from grader.course.lessons import Lesson
     from grader.course.roster import Person
-    from grader.lms.results import ClassResults
 
-SUCCESS, FAULT, USAGE_ERROR = 0, 1, 2
 SAMPLE_SEED, SAMPLE_QUESTIONS = 20_170_405, 3  # for the sample class of `demo`
 
 
 def run_new(options: argparse.Namespace) -> int:
     """Run the command ``new NN_NAME``."""
-    from grader.authoring.skeleton import UnusableName, write_skeleton
+    from grader.authoring.skeleton import write_skeleton
 
-    try:
-        written = write_skeleton(options.name, options.stage)
-    except UnusableName as error:
-        print(error, file=sys.stderr)
-        return USAGE_ERROR
-    for path in written:
+    for path in write_skeleton(options.name, options.stage):
         print("wrote", path.relative_to(PROJECT))
     number = options.name[:2]
     print(f"Edit these files. To list what is missing, run: python -m grader try {number}")
@@ -67,9 +56,7 @@ def run_try(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return USAGE_ERROR
-    status = run_build(argparse.Namespace(check=False, parser=options.parser))
-    if status != SUCCESS:
-        return status
+    _write_generated_files(options.parser)
     sandbox = choose_sandbox(options.sandbox)
     console.warn_if_unprotected(sandbox)
     findings = []
@@ -95,16 +82,20 @@ def run_build(options: argparse.Namespace) -> int:
         faults = [*build.check(), *documentation.check(options.parser)]
         print("\n".join(faults) if faults else "All generated files are up to date.")
         return FAULT if faults else SUCCESS
-    try:
-        changes = [*build.build(), *documentation.write(options.parser)]
-    except build.RegistryFault as error:
-        print(error, file=sys.stderr)
-        return FAULT
+    _write_generated_files(options.parser)
+    return SUCCESS
+
+
+def _write_generated_files(parser: argparse.ArgumentParser) -> None:
+    """Write the files that `build` generates, and print what changed."""
+    from grader import documentation
+    from grader.course import build
+
+    changes = [*build.build(), *documentation.write(parser)]
     for action, path in changes:
         print(action, path.relative_to(PROJECT))
     if not changes:
         print("All generated files are up to date.")
-    return SUCCESS
 
 
 def run_release(options: argparse.Namespace) -> int:
@@ -115,8 +106,7 @@ def run_release(options: argparse.Namespace) -> int:
     from grader.course.release import write_zips
     from grader.course.standalone import ReleaseError, write_standalone
 
-    if not stages_exist(options.stages):
-        return USAGE_ERROR
+    require_stages(options.stages)
     try:
         if options.solutions:
             return _release_solutions(options)
@@ -215,33 +205,22 @@ def run_site(options: argparse.Namespace) -> int:
 
 def run_collect(options: argparse.Namespace) -> int:
     """Run the command ``collect ARCHIVE... --stage STAGE``."""
-    from grader.classroom.collect import CollectError
     from grader.classroom.collect.collection import collect
-    from grader.classroom.lock import AlreadyRunning, course_lock
-    from grader.course.deadlines_file import DeadlinesError
-    from grader.course.roster import RosterError
+    from grader.classroom.lock import course_lock
 
-    if not stages_exist(options.stages):
-        return USAGE_ERROR
+    require_stages(options.stages)
     course = Course()
-    try:
-        with course_lock(course), console.progress_bar("Collecting") as advance:
-            collected = collect(
-                course,
-                options.archives,
-                options.stages,
-                options.timestamps,
-                dict(options.who),
-                dict(options.lesson),
-                advance,
-                options.folder_level,
-            )
-    except (CollectError, RosterError, DeadlinesError) as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return USAGE_ERROR
-    except AlreadyRunning as error:
-        print(error, file=sys.stderr)
-        return FAULT
+    with course_lock(course), console.progress_bar("Collecting") as advance:
+        collected = collect(
+            course,
+            options.archives,
+            options.stages,
+            options.timestamps,
+            dict(options.who),
+            dict(options.lesson),
+            advance,
+            options.folder_level,
+        )
     console.print_collected(collected)
     is_open = bool(collected.questions or collected.doubts)
     if any(collected.states.values()):
@@ -254,22 +233,20 @@ def run_collect(options: argparse.Namespace) -> int:
     return FAULT if is_open else USAGE_ERROR
 
 
-def stages_exist(names: Sequence[str]) -> bool:
-    """Return whether the course has all these stages; print an error if not."""
+def require_stages(names: Sequence[str]) -> None:
+    """Raise UserError if the course lacks one of these stages."""
     unknown = set(names) - set(stages())
     if unknown:
-        print(
+        raise UserError(
             f"There is no stage {', '.join(sorted(unknown))}. The stages are: "
-            f"{', '.join(stages())}.",
-            file=sys.stderr,
+            f"{', '.join(stages())}."
         )
-    return not unknown
 
 
 def run_judge(options: argparse.Namespace) -> int:
     """Run the command ``judge NOTEBOOK``."""
     from grader.course.seed import course_seed
-    from grader.judging.judge import UnknownLesson, judge, lesson_of_file
+    from grader.judging.judge import judge, lesson_of_file
 
     if options.notebook.is_dir():
         print(
@@ -281,14 +258,10 @@ def run_judge(options: argparse.Namespace) -> int:
     if not options.notebook.is_file():
         print(f"{options.notebook} does not exist. Correct the path.", file=sys.stderr)
         return USAGE_ERROR
-    try:
-        lesson = lesson_of_file(options.notebook)
-        sandbox = choose_sandbox(options.sandbox)
-        console.warn_if_unprotected(sandbox)
-        verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox, lesson)
-    except UnknownLesson as error:
-        print(error, file=sys.stderr)
-        return USAGE_ERROR
+    lesson = lesson_of_file(options.notebook)
+    sandbox = choose_sandbox(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox, lesson)
     if options.json:
         print(json.dumps(verdict.as_dict(), indent=1))
     else:
@@ -299,21 +272,16 @@ def run_judge(options: argparse.Namespace) -> int:
 def run_grade(options: argparse.Namespace) -> int:
     """Run the command ``grade [STAGE ...]``."""
     from grader.classroom.executors import processor_count
-    from grader.classroom.folders import UnknownStudent, find_student
+    from grader.classroom.folders import find_student
     from grader.course.deadlines_file import read_deadlines
     from grader.course.seed import course_seed
+    from grader.grading import grade_course
 
-    if not stages_exist(options.stages):
-        return USAGE_ERROR
-    if not has_at_most_one_executor(options):
-        return USAGE_ERROR
+    require_stages(options.stages)
+    require_one_executor(options)
     course = Course()
     read_deadlines(course)  # report a faulty file now, not after hours of judging
-    try:
-        student = find_student(course, options.student) if options.student else None
-    except UnknownStudent as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return USAGE_ERROR
+    student = find_student(course, options.student) if options.student else None
     sandbox = (sandbox_of_workers if options.scheduler else choose_sandbox)(options.sandbox)
     console.warn_if_unprotected(sandbox)
     workers = options.workers or processor_count()
@@ -330,15 +298,12 @@ def run_grade(options: argparse.Namespace) -> int:
     )
 
 
-def has_at_most_one_executor(options: argparse.Namespace) -> bool:
-    """Return whether at most one executor is selected; print an error if not."""
+def require_one_executor(options: argparse.Namespace) -> None:
+    """Raise UserError if the options select two executors."""
     if options.workers and options.scheduler:
-        print(
-            "--workers is for this machine, and --scheduler is for a cluster. Use only one.",
-            file=sys.stderr,
+        raise UserError(
+            "--workers is for this machine, and --scheduler is for a cluster. Use only one."
         )
-        return False
-    return True
 
 
 def sandbox_of_workers(choice: str) -> Sandbox:
@@ -348,25 +313,32 @@ def sandbox_of_workers(choice: str) -> Sandbox:
     return SANDBOXES[choice]
 
 
+def _sandbox_for_course_code() -> tuple[Sandbox, str]:
+    """Return a sandbox for code that is part of the course, and why it does not protect anything.
+
+    The reason is empty if the sandbox is safe. Otherwise, no safe sandbox works on this machine.
+    """
+    try:
+        return choose_sandbox(), ""
+    except SandboxUnavailable as error:
+        return SANDBOXES["process"], error.reason
+
+
 def run_report(options: argparse.Namespace) -> int:
     """Run the command ``report``."""
-    from grader.classroom.folders import UnknownStudent
     from grader.classroom.submissions import unaccounted_files
+    from grader.grading import read_verdicts
     from grader.lms.report import write_report
     from grader.lms.results_reader import class_results
 
     course = Course()
-    judged = _read_verdicts(course)
+    judged = read_verdicts(course)
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
     unjudged_files, results, section = unaccounted_files(course), class_results(course), ""
     if options.section is not None:
-        try:
-            people, section = _section_and_name(course, options.section)
-        except UnknownStudent as error:
-            print(console.printable_text(error), file=sys.stderr)
-            return USAGE_ERROR
+        people, section = _section_and_name(course, options.section)
         results, unjudged_files = (
             results.of_people(people),
             _files_of(course, people, unjudged_files),
@@ -396,23 +368,10 @@ def _files_of(
     return [(path, reason) for path, reason in files if roster.owner_of(path.parts[1]) in people]
 
 
-def _read_verdicts(course: Course) -> JudgedSubmissions:
-    """Return all submissions that have a verdict, each with its verdict."""
-    from grader.classroom.submissions import find_submissions
-    from grader.judging.verdict import read_verdict
-
-    submissions = find_submissions(course)
-    verdicts = [
-        (submission, read_verdict(submission.verdict_path(course))) for submission in submissions
-    ]
-    return [(submission, verdict) for submission, verdict in verdicts if verdict]
-
-
 def run_export(options: argparse.Namespace) -> int:
     """Run the command ``export``."""
-    from grader.classroom.folders import UnknownStudent
     from grader.course.roster import section_slug
-    from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
+    from grader.lms.exporters import EXPORTERS, ExportOptions
     from grader.lms.exporters.destination import write_export
     from grader.lms.results_reader import class_results
 
@@ -437,18 +396,14 @@ def run_export(options: argparse.Namespace) -> int:
         options.scale,
     )
     section, others = "", ()
-    try:
-        if options.section is not None:
-            people, section = _section_and_name(course, options.section)
-            others = tuple(person for person in results.people if person not in people)
-            results = results.of_people(people)
-        exported = exporter.write(ExportOptions(course, results, *export_settings, others))
-        parts = ("scores", options.assignment, section_slug(section))
-        name = ".".join(filter(None, parts)) + exporter.ending
-        path, backup = write_export(exported.content, options.to, course.root / name, options.into)
-    except (ExportError, UnknownStudent) as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return USAGE_ERROR
+    if options.section is not None:
+        people, section = _section_and_name(course, options.section)
+        others = tuple(person for person in results.people if person not in people)
+        results = results.of_people(people)
+    exported = exporter.write(ExportOptions(course, results, *export_settings, others))
+    parts = ("scores", options.assignment, section_slug(section))
+    name = ".".join(filter(None, parts)) + exporter.ending
+    path, backup = write_export(exported.content, options.to, course.root / name, options.into)
     console.print_exported(exported, path, backup, exporter.next_step)
     return FAULT if exported.failures else SUCCESS
 
@@ -471,10 +426,7 @@ def run_autograder(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return USAGE_ERROR
-    try:
-        sandbox = choose_sandbox()
-    except SandboxUnavailable:
-        sandbox = SANDBOXES["process"]  # safe, because only the course's own code runs
+    sandbox, _ = _sandbox_for_course_code()
     seed, counter = course_seed(course), itertools.count()
     try:
         with (
@@ -500,22 +452,17 @@ def run_autograder(options: argparse.Namespace) -> int:
 
 def run_feedback(options: argparse.Namespace) -> int:
     """Run the command ``feedback [STAGE ...]``."""
-    from grader.classroom.folders import UnknownStudent, find_student
+    from grader.classroom.folders import find_student
     from grader.course.deadlines_file import read_deadlines
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
     from grader.lms.instructor_notes import assignment_notes
     from grader.lms.results_reader import class_results
 
-    if not stages_exist(options.stages):
-        return USAGE_ERROR
+    require_stages(options.stages)
     course, people, section = Course(), (), ""
-    try:
-        students = [find_student(course, text) for text in options.student]
-        if options.section is not None:
-            people, section = _section_and_name(course, options.section)
-    except UnknownStudent as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return USAGE_ERROR
+    students = [find_student(course, text) for text in options.student]
+    if options.section is not None:
+        people, section = _section_and_name(course, options.section)
     folder = options.to or course.root / "handed_back"
     with console.progress_bar("Writing feedback") as advance:
         feedback = [
@@ -555,8 +502,7 @@ def run_similarity(options: argparse.Namespace) -> int:
     from grader.classroom.similarity.stage import compare_stage, earlier_course
     from grader.classroom.submissions import find_submissions
 
-    if not stages_exist([options.stage]):
-        return USAGE_ERROR
+    require_stages([options.stage])
     course = Course()
     earlier = [earlier_course(folder) for folder in options.earlier]
     for source in earlier:
@@ -586,7 +532,7 @@ def run_similarity(options: argparse.Namespace) -> int:
 def run_viva(options: argparse.Namespace) -> int:
     """Run the command ``viva STAGE``."""
     from grader.classroom.executors import EXECUTORS
-    from grader.classroom.folders import UnknownStudent, find_student
+    from grader.classroom.folders import find_student
     from grader.course.lessons import all_lessons
     from grader.course.seed import course_seed
     from grader.questions.pages import write_pages
@@ -594,8 +540,7 @@ def run_viva(options: argparse.Namespace) -> int:
     from grader.questions.viva import make_sheets
     from utils.questions.cases import cases_of
 
-    if not stages_exist([options.stage]):
-        return USAGE_ERROR
+    require_stages([options.stage])
     lessons = [lesson for lesson in all_lessons() if lesson.stage == options.stage]
     if not any(cases_of(exercise.name) for lesson in lessons for exercise in lesson.exercises):
         print(
@@ -605,11 +550,7 @@ def run_viva(options: argparse.Namespace) -> int:
         )
         return USAGE_ERROR
     course = Course()
-    try:
-        student = find_student(course, options.student) if options.student else ""
-    except UnknownStudent as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return USAGE_ERROR
+    student = find_student(course, options.student) if options.student else ""
     sandbox = choose_sandbox(options.sandbox)
     console.warn_if_unprotected(sandbox)
     seed = course_seed(course, options.seed)
@@ -639,30 +580,18 @@ def run_viva(options: argparse.Namespace) -> int:
 
 def run_forget(options: argparse.Namespace) -> int:
     """Run the command ``forget STUDENT [--delete]``."""
-    from grader.classroom.folders import UnknownStudent
-    from grader.classroom.lock import AlreadyRunning, course_lock
+    from grader.classroom.lock import course_lock
     from grader.lms.forget import find_traces, remaining_lines, student_to_forget
 
     course = Course()
-    try:
-        with course_lock(course):
-            student = student_to_forget(course, options.student)
-            traces = find_traces(course, student)
-            for trace in traces:
-                if options.delete:
-                    trace.delete()
-                print(
-                    console.printable_text(
-                        f"{'deleted ' if options.delete else ''}{trace.sentence}"
-                    )
-                )
-            remaining = list(remaining_lines(course, student))
-    except UnknownStudent as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return USAGE_ERROR
-    except AlreadyRunning as error:
-        print(error, file=sys.stderr)
-        return FAULT
+    with course_lock(course):
+        student = student_to_forget(course, options.student)
+        traces = find_traces(course, student)
+        for trace in traces:
+            if options.delete:
+                trace.delete()
+            print(console.printable_text(f"{'deleted ' if options.delete else ''}{trace.sentence}"))
+        remaining = list(remaining_lines(course, student))
     for sentence in remaining:
         notice = f"{sentence} Otherwise, the next run of grade adds the student again."
         print(console.printable_text(notice))
@@ -685,10 +614,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     from grader.lms.gradebook_check import check_gradebook
 
     course = Course()
-    try:
-        sandbox = choose_sandbox()
-    except SandboxUnavailable:
-        sandbox = SANDBOXES["process"]  # safe, because only the course's own code runs
+    sandbox, _ = _sandbox_for_course_code()
     all_good = True
     with EXECUTORS["processes"](options.workers) as executor:
         seed = course_seed(course)
@@ -702,16 +628,15 @@ def run_doctor(options: argparse.Namespace) -> int:
 def run_demo(options: argparse.Namespace) -> int:
     """Run the command ``demo``."""
     from grader.classroom.demo import STAGE, make_class
+    from grader.grading import grade_course
 
-    if not stages_exist(options.stages or ()):
-        return USAGE_ERROR
-    try:
-        sandbox, warning = choose_sandbox(), ""
-    except SandboxUnavailable as error:
-        sandbox = SANDBOXES["process"]
+    require_stages(options.stages or ())
+    sandbox, reason = _sandbox_for_course_code()
+    warning = ""
+    if reason:
         warning = (
-            f"{error.args[0].split(' Student code')[0]} The demo therefore runs the code of its "
-            "sample students without a sandbox. Real grading refuses to do this."
+            f"{reason.split(' Student code')[0]} The demo therefore runs the code of its sample "
+            "students without a sandbox. Real grading refuses to do this."
         )
         print(warning, file=sys.stderr)
     requested_stages = (STAGE,) if options.stages is None else options.stages or stages()
@@ -772,219 +697,3 @@ def _write_sample_marks(course: Course) -> Path:
     path = course.root / "scores.csv"
     write_atomically(exported.content, path)
     return path
-
-
-def grade_course(
-    course: Course,
-    requested_stages: Sequence[str],
-    seed: int,
-    sandbox: Sandbox,
-    workers: int,
-    warning: str = "",
-    scheduler: str | None = None,
-    student: str | None = None,
-    restore: bool = False,
-) -> int:
-    """Judge a class, enter the marks and write the report; used by `grade` and `demo`."""
-    from grader.classroom.lock import AlreadyRunning, course_lock
-
-    try:
-        with course_lock(course):
-            return _grade_with_lock(
-                course,
-                requested_stages,
-                seed,
-                sandbox,
-                workers,
-                warning,
-                scheduler,
-                student,
-                restore,
-            )
-    except AlreadyRunning as error:
-        print(error, file=sys.stderr)
-        return FAULT
-
-
-def _grade_with_lock(
-    course: Course,
-    requested_stages: Sequence[str],
-    seed: int,
-    sandbox: Sandbox,
-    workers: int,
-    warning: str,
-    scheduler: str | None,
-    student: str | None,
-    restore: bool,
-) -> int:
-    from grader.classroom.protocol import ExecutorLost
-    from grader.classroom.rehearsals import RehearsalFailed
-    from grader.classroom.submissions import unaccounted_files
-    from grader.lms.report import GradingRun, write_report
-    from grader.lms.results_reader import class_results
-
-    start_time = time.perf_counter()
-    try:
-        judged, stored_count = _judge_all(
-            course, requested_stages, seed, sandbox, workers, scheduler, student
-        )
-    except (RehearsalFailed, ExecutorLost) as error:
-        print(console.printable_lines(error), file=sys.stderr)
-        return FAULT
-    seconds = time.perf_counter() - start_time
-    if not judged:
-        print(
-            f"There is no notebook in {course.submitted}/{student or '<student>'}/<stage>/. Run: "
-            "python -m grader collect ARCHIVE --stage STAGE",
-            file=sys.stderr,
-        )
-        return USAGE_ERROR
-    status = _enter_marks(course, judged, requested_stages or stages(), student, restore)
-    unjudged_files = unaccounted_files(course)
-    # If the user named a student or a stage, `judged` contains only a part of the class.
-    reported = _read_verdicts(course) if student or requested_stages else judged
-    results, now = class_results(course), len(judged) - stored_count
-    label = "" if scheduler else sandbox.label()
-    run = GradingRun(now, len(reported) - now, seconds, label)
-    path = write_report(course, reported, results, run, warning or sandbox.warning, unjudged_files)
-    if student:
-        _print_student(course, student, judged, results)
-    else:
-        _print_class(course, judged, results, unjudged_files)
-    _print_summary(course, len(judged), stored_count, seconds, label)
-    print(f"Report: {path}")
-    return status
-
-
-def _judge_all(
-    course: Course,
-    requested_stages: Sequence[str],
-    seed: int,
-    sandbox: Sandbox,
-    workers: int,
-    scheduler: str | None,
-    student: str | None,
-) -> tuple[JudgedSubmissions, int]:
-    """Return the submissions with their verdicts, and how many verdicts were already stored."""
-    from grader.classroom.grade import judge_class
-
-    counts = []
-    with (
-        executor_factory(scheduler, sandbox) as open_executor,
-        console.progress_bar("Judging") as advance,
-    ):
-
-        def record_progress(done: int, total: int, item: object) -> None:
-            counts.append(done)
-            advance(done, total, item)
-
-        judged = judge_class(
-            course,
-            requested_stages,
-            seed,
-            sandbox,
-            open_executor,
-            workers,
-            record_progress,
-            student,
-        )
-    return judged, counts[0]
-
-
-def _enter_marks(
-    course: Course,
-    judged: JudgedSubmissions,
-    requested_stages: Sequence[str],
-    student: str | None,
-    restore: bool,
-) -> int:
-    """Enter verdicts into the gradebook and return the exit status."""
-    # Importing nbgrader takes a second, so it is imported after judging.
-    from grader.lms.gradebook_writer import GradebookError, enter_verdicts
-
-    with console.progress_bar("Entering marks into the gradebook") as advance:
-        try:
-            enter_verdicts(
-                course, judged, requested_stages, advance, student, restore, console.print_notice
-            )
-        except GradebookError as error:
-            print(console.printable_lines(error), file=sys.stderr)
-            return FAULT
-    return SUCCESS
-
-
-def _print_class(
-    course: Course,
-    judged: JudgedSubmissions,
-    results: ClassResults,
-    unjudged_files: Sequence[tuple[Path, str]],
-) -> None:
-    """Print the results of the class, and everything that needs attention."""
-    from grader.classroom.folders import misspelt_folders
-    from grader.course.deadlines_file import read_deadlines
-    from grader.course.roster import read_roster
-    from grader.lms.instructor_notes import counted_lessons, notes
-
-    roster = read_roster(course)
-    console.print_class(judged, results)
-    for sentence in counted_lessons(results).values():
-        print(sentence)
-    console.print_unaccounted(unjudged_files)
-    respelt = misspelt_folders(course, roster) if roster else ()
-    console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
-
-
-def _print_student(
-    course: Course, student: str, judged: JudgedSubmissions, results: ClassResults
-) -> None:
-    """Print a student's verdicts, results of the term, and history of marks."""
-    from grader.lms.mark_history import read_changes
-    from grader.lms.term import describe_term, term_result
-
-    for _, verdict in judged:
-        console.print_verdict(verdict, results.rules.excluded_exercises)
-    if notebooks := results.of_student(student):
-        total = term_result(notebooks, results.rules)
-        console.print_term(notebooks, describe_term(total, results.rules))
-    lessons = {submission.lesson.name for submission, _ in judged}
-    console.print_history(
-        [
-            change
-            for change in read_changes(course)
-            if change.student == student and change.lesson in lessons
-        ]
-    )
-
-
-def _print_summary(
-    course: Course, count: int, stored_count: int, seconds: float, label: str
-) -> None:
-    from grader.lms.gradebook import gradebook_location
-
-    print(
-        f"{count} notebook{'s' * (count != 1)}: {count - stored_count} judged in {seconds:.1f} s"
-        f"{f', {stored_count} unchanged' if stored_count else ''}. "
-        f"Gradebook: {gradebook_location(course)}"
-        f"{f'. Sandbox: {label}' if label else ''}"
-    )
-
-
-@contextlib.contextmanager
-def executor_factory(
-    scheduler: str | None, sandbox: Sandbox
-) -> Iterator[Callable[[int], Executor]]:
-    """Yield a function that opens an executor; all executors share one cluster connection."""
-    from grader.classroom.executors import EXECUTORS
-
-    with contextlib.ExitStack() as stack:
-
-        @functools.cache
-        def open_cluster() -> Executor:
-            return stack.enter_context(
-                EXECUTORS["scheduler"](scheduler, sandbox.name, console.print_notice)
-            )
-
-        if scheduler:
-            yield lambda workers: contextlib.nullcontext(open_cluster())
-        else:
-            yield EXECUTORS["processes"]

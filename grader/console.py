@@ -45,7 +45,7 @@ LEGEND = {
 
 # Finished items before the first estimate. Items run in parallel, so one alone is misleading.
 MIN_FINISHED = 3
-MIN_SECONDS_SHOWN = 60.0  # seconds
+MIN_SECONDS_SHOWN = 60.0
 
 
 @contextlib.contextmanager
@@ -105,16 +105,17 @@ class RemainingTime:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.seconds: float | None = None
         self._clock = clock
-        self._begin: tuple[float, int] | None = None
+        self._start: tuple[float, int] | None = None
 
     def update(self, done: int, total: int) -> None:
         """Record that `done` of `total` items are finished; the first call starts the clock."""
         if not total:
             return
         now = self._clock()
-        begin, first = self._begin = self._begin or (now, done)
-        if done - first >= MIN_FINISHED:
-            self.seconds = (now - begin) / (done - first) * (total - done)
+        start_time, first_done = self._start = self._start or (now, done)
+        finished = done - first_done
+        if finished >= MIN_FINISHED:
+            self.seconds = (now - start_time) / finished * (total - done)
 
     def describe(self) -> str:
         """Return a phrase such as "about 13 minutes left", or nothing for a short time."""
@@ -155,6 +156,8 @@ def print_verdict(verdict: Verdict, excluded: Collection[str] = ()) -> None:
     for sentence in verdict.problems:
         console.print(f"! {printable_text(sentence)}", markup=False)
     if verdict.status == FAILED:
+        for line in "\n".join(verdict.faults).splitlines():
+            _print_with_mark(console, "", line, "dim")
         console.print(f"\n{verdict.lesson}: not judged", style="bold", markup=False)
         return
     for exercise in verdict.exercises:
@@ -307,8 +310,8 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     for pair in pairs[:limit]:
         table.add_row(
             escape(printable_text(" and ".join(pair.students))),
-            "\n".join(f"{one.exercise} {one.share:.0%}" for one in pair.pairs),
-            "\n".join(f"{one.nearest_shares[0]:.0%}" for one in pair.pairs),
+            "\n".join(f"{answers.exercise} {answers.share:.0%}" for answers in pair.pairs),
+            "\n".join(f"{answers.nearest_shares[0]:.0%}" for answers in pair.pairs),
         )
     console.print(table)
     if len(pairs) > limit:

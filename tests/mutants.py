@@ -53,6 +53,7 @@ TESTS = {
     "grader/judging/hidden_tests.py": ("test_runner.py", "test_samples.py"),
     "grader/judging/results.py": ("test_verdict_paths.py", "test_proven_slips.py"),
     "grader/judging/error_carried_forward.py": ("test_rules.py",),
+    "grader/judging/collection.py": ("test_runner.py",),
     "grader/judging/runner.py": ("test_runner.py",),
     "grader/judging/repair.py": ("test_proven_slips.py",),
     "grader/judging/mistake_diagnosis.py": ("test_proven_slips.py",),

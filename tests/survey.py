@@ -45,7 +45,7 @@ from utils.checks.assertions import call_each, observe, time_call
 from utils.checks.run_cache import cached_run
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
-from utils.remote_objects import RemoteObject
+from utils.remote_objects import RemoteProxy
 
 SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that compare answers
 CALLS = 1000
@@ -203,7 +203,7 @@ def time_limit(seconds):
         signal.signal(signal.SIGPROF, before)
 
 
-class LocalRemote(RemoteObject):
+class LocalRemote(RemoteProxy):
     """A stand-in for a remote function that copies its arguments but runs in this process."""
 
     def __init__(self, function):

@@ -20,7 +20,7 @@ from grader.judging.runner import run_checks
 from grader.sandbox import Limits
 from grader.sandbox.inside import wire_format
 from grader.sandbox.inside.wire_format import OpaqueValue
-from utils.checks import CheckFailed, check, checks_of, core, lesson_02
+from utils.checks import CheckFailed, check, checks_of, core
 from utils.checks.assertions import (
     as_array,
     as_labels,
@@ -40,6 +40,7 @@ from utils.checks.assertions import (
 from utils.checks.clusters import assert_clusters
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
+from utils.checks.lesson_02 import line_through, ransac_line
 from utils.checks.lesson_03 import iterations_needed
 from utils.checks.outcomes import Outcome
 from utils.checks.summary import failure_texts, summarise
@@ -406,13 +407,13 @@ def test_the_hint_about_a_missed_line_names_the_cause(slip, word):
     assert right.count(slip[0]) == 1
     exec(right.replace(*slip), space)
     with pytest.raises(CheckFailed) as caught:
-        lesson_02.finds_the_line(space["ransac_line"])
+        ransac_line.finds_the_line(space["ransac_line"])
     assert word in caught.value.hint
 
 
 def test_the_hint_depends_on_the_wrong_answer():
     with pytest.raises(CheckFailed) as caught:
-        lesson_02.assert_no_line(lambda p, q: (None, None, None), (1.0, 2.0))
+        line_through.assert_no_line(lambda p, q: (None, None, None), (1.0, 2.0))
     assert "a single None" in caught.value.hint
     for answer, word in ((20, "do not add 1"), (18, "")):
         with pytest.raises(CheckFailed) as caught:

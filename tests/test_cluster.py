@@ -21,7 +21,7 @@ from types import SimpleNamespace
 import distributed
 import pytest
 
-from grader import cli, commands
+from grader import cli, commands, grading
 from grader.classroom import cluster, grade
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import course_lock
@@ -61,7 +61,7 @@ def local_run(tmp_path_factory, sandbox):
         "untouched": fill_in(LESSON, {}),
     }
     course = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
-    assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.SUCCESS
+    assert grading.grade_course(course, (), SEED, sandbox, 1) == commands.SUCCESS
     return SimpleNamespace(root=course.root, verdicts=verdicts_of(course), rows=marks(course))
 
 
@@ -94,7 +94,7 @@ def is_complete(course, local):
 
 
 def grade_on(address, course, sandbox):
-    return commands.grade_course(course, (), SEED, sandbox, 1, scheduler=address)
+    return grading.grade_course(course, (), SEED, sandbox, 1, scheduler=address)
 
 
 # ---- A cluster ---------------------------------------------------------------------------------
@@ -240,7 +240,7 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
     address, _ = start.scheduler()
     start.worker(address, threads=2)
     assert grade_on(address, there, sandbox) == commands.SUCCESS
-    assert commands.grade_course(here, (), SEED, sandbox, 1) == commands.SUCCESS
+    assert grading.grade_course(here, (), SEED, sandbox, 1) == commands.SUCCESS
     assert verdicts_of(there) == verdicts_of(here)
     assert marks(there) == marks(here)
     scores = {student: verdict.score for student, verdict in verdicts_of(there).items()}

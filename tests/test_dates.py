@@ -14,7 +14,7 @@ from grader.lms.differences import differences
 from grader.lms.exporters import EXPORTERS, ExportOptions
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.instructor_notes import notes
-from grader.lms.penalties import load_penalty_plugin
+from grader.lms.penalties import load_late_penalties
 from grader.lms.results_reader import class_results
 from grader.lms.stage_entries import StageEntry
 from tests.postgresql import NotInstalled, server
@@ -356,7 +356,7 @@ def test_a_different_extension_in_the_gradebook_is_reported(course):
     deadlines = read_deadlines(course)
     entry = StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     with gradebook.open_gradebook(course) as book:
-        arguments = (course, book, entry, load_penalty_plugin(course), deadlines)
+        arguments = (course, book, entry, load_late_penalties(course), deadlines)
         assert differences(*arguments) == []
         book.find_submission(STAGE, "ada").extension = -timedelta(hours=1)
         found = differences(*arguments)

@@ -23,9 +23,11 @@ from grader.console import progress_bar
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
+from grader.grading import grade_course
 from grader.judging import judge as judging
 from grader.judging import program_run
-from grader.judging.runner import JudgeFault, run_checks
+from grader.judging.collection import JudgeFault
+from grader.judging.runner import run_checks
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, time_budget, usage
 from grader.sandbox.failures import StudentStopped
@@ -228,7 +230,7 @@ def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, m
         grade_class(course, sandbox)
     assert not list(course.verdicts.rglob("*.json"))
     monkeypatch.setitem(EXECUTORS, "processes", InlineExecutor)
-    assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
+    assert grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
     assert "No notebook was graded" in capsys.readouterr().err
 
 

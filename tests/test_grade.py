@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from grader import cli, commands
+from grader import cli, commands, grading
 from grader.classroom import demo, grade
 from grader.classroom.demo import make_class
 from grader.classroom.executors import EXECUTORS
@@ -320,9 +320,9 @@ def test_a_submission_replaced_after_judging_is_not_entered(
         return judged
 
     original = grade.judge_class
-    monkeypatch.setattr(grade, "judge_class", judge_and_replace)
-    grading = (judged_course, (), SEED, sandbox, 2)
-    assert commands.grade_course(*grading) == commands.FAULT
+    monkeypatch.setattr(grading, "judge_class", judge_and_replace)
+    arguments = (judged_course, (), SEED, sandbox, 2)
+    assert grading.grade_course(*arguments) == commands.FAULT
     errors = " ".join(capsys.readouterr().err.split())
     for student in ("half", "untouched", "broken"):
         sentence = (
@@ -333,8 +333,8 @@ def test_a_submission_replaced_after_judging_is_not_entered(
     assert [student for student, *_ in entered_scores(judged_course)] == ["right"]
     assert [path.name for path in judged_course.autograded.glob("*/*")] == [LESSON.stage]
 
-    monkeypatch.setattr(grade, "judge_class", original)
-    assert commands.grade_course(*grading) == commands.SUCCESS
+    monkeypatch.setattr(grading, "judge_class", original)
+    assert grading.grade_course(*arguments) == commands.SUCCESS
     scores = {student: score for (student, *_), score in entered_scores(judged_course).items()}
     assert scores == {"right": 30, "half": 30, "untouched": 0}
 
@@ -573,7 +573,7 @@ def test_a_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
     graded = []
     monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     monkeypatch.setattr(
-        commands, "grade_course", lambda course, *_: graded.append(find_submissions(course)) or 0
+        grading, "grade_course", lambda course, *_: graded.append(find_submissions(course)) or 0
     )
     assert cli.main(["demo", "--students", "2", "--stages"]) == 0
     assert cli.main(["demo", "--students", "1"]) == 0

@@ -30,7 +30,7 @@ from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.nbgrader_plugin import LatePenalties
-from grader.lms.penalties import load_penalty_plugin
+from grader.lms.penalties import load_late_penalties
 from grader.lms.registration import register_stages
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
 from grader.lms.results_reader import class_results
@@ -307,7 +307,7 @@ def test_ctrl_c_leaves_no_partial_marks(course, monkeypatch):
 def differences_in(course, entry=None):
     """Return how the gradebook differs from `entry`, by default from the verdicts on Ada."""
     entry = entry or StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
-    plugin = load_penalty_plugin(course)
+    plugin = load_late_penalties(course)
     with gradebook.open_gradebook(course) as book:
         return differences(course, book, entry, plugin, Deadlines({}))
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from grader import cli, commands
+from grader import cli, commands, grading
 from grader.classroom import doctor
-from grader.classroom import grade as grading
+from grader.classroom import grade as judging_a_class
 from grader.classroom.folders import UnknownStudent, find_student
 from grader.classroom.submissions import Submission, find_submissions
 from grader.console import print_class, progress_bar
@@ -66,7 +66,7 @@ def course(tmp_path, monkeypatch):
 
 
 def grade(course, student=None):
-    return commands.grade_course(course, (), 2**64, WITHOUT_SANDBOX, 1, student=student)
+    return grading.grade_course(course, (), 2**64, WITHOUT_SANDBOX, 1, student=student)
 
 
 def cells(output, student):
@@ -103,7 +103,7 @@ def test_zeros_and_waiting_marks_are_not_shown_as_dashes(course, capsys, monkeyp
         book.db.commit()
     submit(course, "yan", GROUND)  # submitted, but not judged
     capsys.readouterr()
-    commands._print_class(course, verdicts(course), class_results(course), [])
+    grading._print_class(course, verdicts(course), class_results(course), [])
     output = capsys.readouterr().out
     assert cells(output, "ada")[1] == "0*" and cells(output, "yan")[1:3] == ["?", "-"]
     assert "* waiting for a grader · ? not entered yet" in output
@@ -221,15 +221,18 @@ def test_only_the_named_student_is_judged_again(course, monkeypatch):
         )
 
     stored = verdicts(course)[0][1]
-    monkeypatch.setattr(grading, "stored_verdict", lambda *arguments: stored)
-    monkeypatch.setattr(grading, "judge_one", judge_one)
-    monkeypatch.setattr(grading.Rehearsals, "has_passed", lambda *arguments: True)
+    monkeypatch.setattr(judging_a_class, "stored_verdict", lambda *arguments: stored)
+    monkeypatch.setattr(judging_a_class, "judge_one", judge_one)
+    monkeypatch.setattr(judging_a_class.Rehearsals, "has_passed", lambda *arguments: True)
     arguments = (course, (), 2**64, WITHOUT_SANDBOX, InlineExecutor, 1, lambda *news: None)
-    done = grading.judge_class(*arguments, student="ada")
+    done = judging_a_class.judge_class(*arguments, student="ada")
     assert {submission.student for submission, _ in done} == {"ada"}
     assert sorted(judged) == [("ada", lesson.name) for lesson in EARNED["ada"]]
     judged.clear()
-    assert len(grading.judge_class(*arguments)) == len(find_submissions(course)) and judged == []
+    assert (
+        len(judging_a_class.judge_class(*arguments)) == len(find_submissions(course))
+        and judged == []
+    )
 
 
 @pytest.mark.parametrize(

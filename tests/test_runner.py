@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.judging import program_run, runner
-from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
+from grader.judging import collection, program_run, runner
+from grader.judging.collection import JudgeFault
+from grader.judging.runner import JudgeTimeout, run_checks
 from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.time_budget import Budget
@@ -30,6 +31,7 @@ from utils.checks.size_limits import MAX_NUMBERS
 FILTER = find_lesson("06_filter_ground")
 SEED = 20_170_405
 FAILURE = CheckFailed("no")
+OTHER = Check("test_first", "f", "", "")
 CONTEXT = program_run.JudgingContext(FILTER, SEED, None)
 
 HEAD = """
@@ -227,12 +229,116 @@ def test_other(student):
     ]
 
 
-@pytest.mark.parametrize("fixture", ["tmp_path", "what_nobody_made"])
-def test_a_fixture_is_a_judge_fault(make_lesson, fixture):
-    """Hidden tests run for many students, who would share a fixture."""
-    hidden = TWO_TESTS.replace("test_second(student)", f"test_second(student, {fixture})")
-    with pytest.raises(JudgeFault, match=f"test_second takes .*{fixture}.*. A hidden test may"):
+SIZED = TWO_TESTS.replace("second(student)", "second(student, size)")
+UNUSABLE = {
+    "a fixture of pytest": (SIZED.replace("size", "tmp_path"), "test_second needs tmp_path."),
+    "an unknown fixture": (SIZED, "test_second needs size."),
+    "a fixture in place of the seed": (
+        "@pytest.fixture\ndef seed(): return 5\n" + TWO_TESTS,
+        "seed is a fixture.",
+    ),
+    "a fixture with parameters": (
+        "@pytest.fixture(params=[1])\ndef size(request): return request.param\n" + SIZED,
+        "size is a fixture.",
+    ),
+    "a function before all tests": (
+        "def setup_module(): pass\n" + TWO_TESTS,
+        "test_second needs setup_module.",
+    ),
+    "a mark that skips a test": (
+        "@pytest.mark.skip" + TWO_TESTS,
+        "test_second is marked with pytest.mark.skip, which has no effect here.",
+    ),
+    "a mark that requires a fixture": (
+        '@pytest.mark.usefixtures("seed")' + TWO_TESTS,
+        "test_second is marked with pytest.mark.usefixtures, which has no effect here.",
+    ),
+    "a class": (
+        "class TestAll:" + TWO_TESTS.replace("(student", "(self, student").replace("\n", "\n    "),
+        "test_second is in a class.",
+    ),
+    "a class that pytest omits": (
+        TWO_TESTS + "\nclass TestMore:\n    def __init__(self): pass\n"
+        '    @hidden("f", **about)\n    def test_more(self, student): pass\n',
+        "TestMore is a class.",
+    ),
+    "a first test that is not marked": (
+        "def test_helper(): pass\n" + TWO_TESTS,
+        "test_helper is not marked with @hidden.",
+    ),
+    "a last test that is not marked": (
+        TWO_TESTS + "\ndef test_helper(): pass",
+        "test_helper is not marked with @hidden.",
+    ),
+    "a name that is not the name of a test": (
+        TWO_TESTS.replace("test_second", "check_second"),
+        "check_second is marked as a hidden test, but its name does not begin with test_.",
+    ),
+    "a name that is used twice": (TWO_TESTS * 2, "The file defines test_second 2 times"),
+    "an async function": (
+        TWO_TESTS.replace("def test_s", "async def test_s"),
+        "test_second is an async function.",
+    ),
+    "no values for a parameter": (
+        '@pytest.mark.parametrize("size", [])' + SIZED,
+        "Empty parameter set in 'test_second'",
+    ),
+    "braces in a title": (
+        '@pytest.mark.parametrize("size", [1])'
+        + SIZED.replace('"g", **about', '"g", title="In {1, 2}", hint="A hint"'),
+        "The title of test_second contains braces",
+    ),
+    "a random generator for all students": (
+        "import random\nrng = random.Random(1)\n" + TWO_TESTS,
+        "rng is a random generator that all students would share.",
+    ),
+}
+
+
+@pytest.mark.parametrize(("hidden", "complaint"), UNUSABLE.values(), ids=UNUSABLE)
+def test_a_test_that_pytest_would_change_or_leave_out_is_a_judge_fault(
+    make_lesson, capfd, hidden, complaint
+):
+    """Otherwise, a test would give a mark that its author does not expect."""
+    with pytest.raises(JudgeFault) as fault:
         run_checks(make_lesson(hidden), RecordingStudent(), SEED)
+    assert complaint in str(fault.value) and len(str(fault.value).split("\n")) <= 3
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_error_in_collecting_hidden_tests_is_a_judge_fault(make_lesson, monkeypatch, capfd):
+    monkeypatch.setattr(collection, "_names_to_fill", lambda item: 1 / 0)
+    with pytest.raises(JudgeFault, match="ZeroDivisionError: division by zero"):
+        run_checks(make_lesson(TWO_TESTS), RecordingStudent(), SEED)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("statement", ["pytest.fail('no')", "raise SystemExit", "return 1 == 2"])
+def test_every_way_to_end_a_hidden_test_is_a_result(make_lesson, statement):
+    """The search for a repair catches only ordinary exceptions."""
+    lesson, student = make_lesson(TWO_TESTS.replace('student.g("second")', statement)), "anybody"
+    first, *_ = run_checks(lesson, RecordingStudent(), SEED)
+    assert isinstance(first.failure, AssertionError | TypeError)
+    call, _ = runner.hidden_calls(lesson, student, SEED, [Check("test_second", "g", "", ""), OTHER])
+    with pytest.raises((AssertionError, TypeError)):
+        call()
+
+
+def test_parameters_that_a_test_changes_are_new_in_each_run(make_lesson):
+    hidden = """
+import numpy as np
+
+@pytest.mark.parametrize(("values", "rng"), [([1], np.random.default_rng(3))])
+@pytest.mark.parametrize("module", [np])
+@hidden("f", **about)
+def test_changes_its_parameters(values, rng, module, student):
+    values.append(rng.integers(1000))
+    student.f(values)
+"""
+    lesson, students = make_lesson(hidden), [RecordingStudent(), RecordingStudent()]
+    for student in students:
+        assert failure_types(run_checks(lesson, student, SEED)) == {}
+    assert students[0].calls == students[1].calls
 
 
 def test_hidden_tests_are_collected_once_and_called_for_each_student(make_lesson, monkeypatch):
@@ -243,7 +349,7 @@ def test_sizes(size, student, seed):
     student.f(size, seed)
 
 @hidden("g", **about)
-def test_nothing():
+def test_nothing(*more, about=None, **others):
     pass
 """
     lesson, collections = make_lesson(hidden), []
@@ -314,6 +420,26 @@ def test_numbers_in_a_wrong_answer_cause_no_warnings(make_lesson):
         make_lesson(f"import numpy as np\n{hidden}", checks), RecordingStudent(), SEED
     )
     assert failure_types(outcomes) == {"test_first": CheckFailed}
+
+
+def test_an_import_is_not_interrupted(make_lesson, monkeypatch, tmp_path):
+    """A module whose import was interrupted would be unusable for all later students."""
+    package = tmp_path / "slow_package"
+    package.mkdir()
+    (package / "part.py").write_text("VALUE = 7")
+    slow = (
+        "import slow_package.part\nfor _ in range(2 * 10**7): pass\nVALUE = slow_package.part.VALUE"
+    )
+    (package / "__init__.py").write_text(slow)
+    monkeypatch.syspath_prepend(tmp_path)
+    body = "import slow_package; student.g(slow_package.VALUE)"
+    lesson = make_lesson(TWO_TESTS.replace('student.g("second")', body))
+    with monkeypatch.context() as patch:
+        patch.setattr(runner, "TEST_SECONDS", 0.05)
+        run_checks(lesson, RecordingStudent(), SEED)
+    student = RecordingStudent()
+    assert "test_second" not in failure_types(run_checks(lesson, student, SEED))
+    assert student.calls[0] == ("g", "g", 7)
 
 
 def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(make_lesson, monkeypatch):

@@ -1,6 +1,7 @@
 """A third kind of sandbox needs 40 lines: two classes and an entry in `SANDBOXES`."""
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import pytest
 from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.sandbox import SANDBOXES, Limits, choose_sandbox, jail
+from grader.sandbox import SANDBOXES, Limits, choose_sandbox, jail, launcher
 from grader.sandbox.boundary import WORKER_SCRIPT
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.launcher import send_rules
@@ -132,3 +133,11 @@ def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
         with pytest.raises(StudentStopped, match="killed it"):
             student.kill()
         assert student.answer() == "answer"
+
+
+@pytest.mark.parametrize("processors", [1, 2, 8, 12, 17, 64, 128, 1000])
+def test_pipes_of_many_workers_stay_below_the_limit_of_a_user(processors):
+    """Above 64 MiB, Linux would shrink each further pipe of the user, in all programs."""
+    size = 2 ** math.ceil(math.log2(launcher.pipe_bytes(processors)))  # Linux rounds up
+    assert 2**16 <= size <= 2**20
+    assert size == 2**16 or 4 * processors * size <= 48 * 2**20

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-from grader import cli, commands
+from grader import cli, commands, grading
 from grader.classroom.folders import UnknownStudent, find_section
 from grader.course import paths
 from grader.course.paths import Course
@@ -165,7 +165,7 @@ def test_grading_one_student_shows_the_whole_term(course, capsys):
     (course.root / "deadlines.toml").write_text("drop_lowest = 1\npass_mark = 60\n")
     results = class_results(course)
     judged = [pair for pair in verdicts(course) if pair[0].student == "ada"]
-    commands._print_student(course, "ada", judged[:1], results)
+    grading._print_student(course, "ada", judged[:1], results)
     output = capsys.readouterr().out
     rows = [line.split() for line in output.splitlines()]
     assert [GROUND.name, "11.75", "30", "marked"] in rows

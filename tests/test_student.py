@@ -231,7 +231,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             student.answer(7)
         error = caught.value
         assert (error.place, error.line) == ("code cell 1, line 3", "a, b = line")
-        assert error.calling == "code cell 2, line 3"
+        assert error.call_place == "code cell 2, line 3"
         assert describe_error(error) == (
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
@@ -241,7 +241,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:
             student.finished(7)
-        assert caught.value.calling is None and caught.value.shown_place == "code cell 1, line 3"
+        assert caught.value.call_place is None and caught.value.shown_place == "code cell 1, line 3"
 
 
 @pytest.mark.parametrize("lines", [3, 70])
@@ -252,7 +252,7 @@ def test_a_long_exercise_does_not_reveal_the_calling_line(sandbox, lines):
         student.exercise = "answer"
         with pytest.raises(StudentError) as caught:
             student.answer(7)
-    assert (caught.value.calling is None) == (lines > 60)
+    assert (caught.value.call_place is None) == (lines > 60)
     assert (caught.value.shown_place is None) == (lines > 60)
 
 
@@ -295,6 +295,21 @@ def test_an_interrupted_function_can_be_called_again(sandbox):
         student.interrupts_after = None
         with pytest.raises(StudentStopped):
             student.works(1)
+
+
+@pytest.mark.parametrize("edited", ["f", ""])
+def test_the_imports_of_a_function_do_not_count_as_a_call_of_its_edits(sandbox, edited):
+    """With an edit, a call has so little time that an import would be interrupted."""
+    source = """
+import sys
+def f():
+    is_imported = "colorsys" in sys.modules
+    from colorsys import rgb_to_hsv
+    return is_imported
+"""
+    program = Program((source,), ("f",))
+    with StudentProxy(program, sandbox, edited=edited) as student:
+        assert student.f() is bool(edited)
 
 
 def test_a_notebook_that_is_too_large_to_send_is_not_accused(sandbox):

@@ -11,12 +11,12 @@ from nbconvert.exporters import NotebookExporter
 from nbgrader.converters import Autograde
 
 from grader.classroom.collect.record import FileOrigin, Record, file_time, write_record
-from grader.commands import _print_student
 from grader.course import paths
 from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.nbgrader_settings import make_converter
 from grader.course.paths import Course
+from grader.grading import _print_student
 from grader.judging.verdict import CheckResult, write_verdict
 from grader.lms import gradebook
 from grader.lms.distribution import distribution_of

@@ -158,3 +158,11 @@ def test_lines_of_a_text_are_indented_next_to_its_mark(capsys):
     assert len(lines) == 8 and lines[0].startswith("  FAILED  A title of [bold]word")
     assert lines[4].startswith(" " * 10 + "Because [bold]")
     assert all(line.startswith(" " * 10 + "[bold]") for line in (*lines[1:4], *lines[5:]))
+
+
+def test_the_command_judge_says_why_the_judge_failed(capsys):
+    verdict = dataclasses.replace(full_verdict(), status="judge_failed", faults=("Why.\nWhere.",))
+    print_verdict(verdict)
+    *_, why, where, _, end = capsys.readouterr().out.rstrip().split("\n")
+    assert (why.strip(), where.strip(), end) == ("Why.", "Where.", "06: not judged")
+    assert why.startswith("  ")  # a line of the fault cannot look like a result

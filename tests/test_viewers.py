@@ -14,7 +14,7 @@ from utils import films, play
 from utils.boxes import Box
 from utils.drive import STREETS, Trip
 from utils.drive.loop import drive
-from utils.films.viewers import OUTLINE, write_stream
+from utils.films.streams import OUTLINE, write_stream
 from utils.recordings import read_bag
 from utils.simulator.sensor import Sensor, layers
 

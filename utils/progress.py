@@ -20,13 +20,13 @@ def progress(items: Collection, title: str) -> Iterator:
     title : str
         Description of the work, for instance ``"Making the scene city"``.
     """
-    total, begin = len(items), time.monotonic()
+    total, start = len(items), time.monotonic()
     interactive = sys.stdout.isatty() or "ipykernel" in sys.modules
     for done, item in enumerate(items, 1):
         yield item
         if interactive:
             bar = ("█" * (WIDTH * done // total)).ljust(WIDTH, "·")
-            seconds = (time.monotonic() - begin) / done * (total - done)
+            seconds = (time.monotonic() - start) / done * (total - done)
             left, end = (f", {seconds:.0f} s left", "") if done < total else ("", "\n")
             # The padding overwrites the end of a longer line.
             print(f"\r{title} {bar} {done}/{total}{left:14}", end=end, flush=True)

@@ -13,7 +13,7 @@ ENDLESS_LOOP_HINT = "is there a loop that never ends, or one that is far too slo
 """Default hint for a call that exceeds its time limit; a check may have its own (`Check.slow`)."""
 
 
-class RemoteObject:
+class RemoteProxy:
     """Base class of all proxies.
 
     Checks test for this class rather than for a method, because a student's class may have methods

@@ -196,9 +196,9 @@ class Tracker:
         if not (self._coast and len(old.ids)):
             return NO_TRACKS
         missed, kept = map(np.asarray, self._coast(old.missed, partners, self._patience))
-        alone = ~np.isin(np.arange(len(old.ids)), partners) & kept.astype(bool)
-        there = replace(old, boxes=expected, missed=missed.astype(int))
-        return there[alone]
+        coasts = ~np.isin(np.arange(len(old.ids)), partners) & kept.astype(bool)
+        moved = replace(old, boxes=expected, missed=missed.astype(int))
+        return moved[coasts]
 
 
 def tracker_from(functions: SimpleNamespace, **settings: object) -> Tracker | None:

@@ -193,11 +193,11 @@ def describe_step(
     )
 
 
-def _depth_in(root: Node | None, index: Node) -> int:
+def _depth_in(root: Node | None, node: Node) -> int:
     level, depth, seen = [root], 0, set()
-    while level and all(node is not index for node in level):
+    while level and all(other is not node for other in level):
         seen.update(map(id, level))
-        below = [child for node in level for child in (node.left, node.right)]
+        below = [child for other in level for child in (other.left, other.right)]
         level = [child for child in below if child is not None and id(child) not in seen]
         depth += 1
     return depth

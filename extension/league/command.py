@@ -9,6 +9,7 @@ from urllib.parse import quote
 from grader import cli, commands, console
 from grader.course.lessons import stages
 from grader.course.paths import Course
+from grader.errors import FAULT, SUCCESS, USAGE_ERROR
 from grader.sandbox import choose_sandbox
 
 
@@ -50,14 +51,14 @@ def run_league(options: argparse.Namespace) -> int:
     """Run the command ``league STAGE``."""
     from extension.league.page import write_league
     from extension.league.season import drive_class, lesson_of_league
-    from grader.classroom.executors import processor_count
-    from grader.classroom.folders import UnknownStudent, find_student
-    from grader.classroom.lock import AlreadyRunning, course_lock
+    from grader.classroom.executors import executor_factory, processor_count
+    from grader.classroom.folders import find_student
+    from grader.classroom.lock import course_lock
     from grader.classroom.protocol import ExecutorLost
     from grader.course.seed import course_seed
 
-    if not commands.stages_exist([options.stage]) or not commands.has_at_most_one_executor(options):
-        return commands.USAGE_ERROR
+    commands.require_stages([options.stage])
+    commands.require_one_executor(options)
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:
         print(
@@ -65,12 +66,8 @@ def run_league(options: argparse.Namespace) -> int:
             f"{', '.join(filter(lesson_of_league, stages()))}.",
             file=sys.stderr,
         )
-        return commands.USAGE_ERROR
-    try:
-        students = [find_student(course, text) for text in options.student]
-    except UnknownStudent as error:
-        print(console.printable_text(error), file=sys.stderr)
-        return commands.USAGE_ERROR
+        return USAGE_ERROR
+    students = [find_student(course, text) for text in options.student]
     choose = commands.sandbox_of_workers if options.scheduler else choose_sandbox
     sandbox = choose(options.sandbox)
     console.warn_if_unprotected(sandbox)
@@ -78,7 +75,9 @@ def run_league(options: argparse.Namespace) -> int:
     try:
         with course_lock(course):
             with (
-                commands.executor_factory(options.scheduler, sandbox) as open_executor,
+                executor_factory(
+                    options.scheduler, sandbox.name, console.print_notice
+                ) as open_executor,
                 console.progress_bar("Driving") as advance,
             ):
                 season = drive_class(
@@ -99,15 +98,15 @@ def run_league(options: argparse.Namespace) -> int:
                     f"Run: python -m grader collect ARCHIVE --stage {options.stage}",
                     file=sys.stderr,
                 )
-                return commands.USAGE_ERROR
+                return USAGE_ERROR
             page, names_path = write_league(course, season, seed, sandbox.warning)
-    except (AlreadyRunning, ExecutorLost) as error:
+    except ExecutorLost as error:
         print(console.printable_lines(error), file=sys.stderr)
-        return commands.FAULT
+        return FAULT
     print(f"League: {page}\nReal names (do not show this file to the class): {names_path}")
     for fault in season.faults:
         console.print_notice(f"Not driven: {fault}")
-    return commands.FAULT if season.faults else commands.SUCCESS
+    return FAULT if season.faults else SUCCESS
 
 
 def league_links(course: Course) -> list[tuple[str, str]]:

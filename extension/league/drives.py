@@ -251,10 +251,10 @@ def repeat_drive(
         As for `utils.drive.loop.drive`.
     """
     answers = _unpack_answers(result.answers)
-    drive_ = drive(
+    repeated_drive = drive(
         street, lambda cloud: next(answers) / 1000, clock=on_time, seconds=seconds, sensor=sensor
     )
-    return drive_, measure(drive_)
+    return repeated_drive, measure(repeated_drive)
 
 
 def _pack_answers(answers: Sequence[np.ndarray]) -> str:

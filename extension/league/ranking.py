@@ -8,7 +8,7 @@ neither does a car that drives blind.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from extension.league.drives import DriveResult
 from extension.league.season import Entrant, Season
@@ -76,16 +76,11 @@ def counted_metres(street: Street, result: DriveResult) -> int:
 def standings(season: Season) -> list[Standing]:
     """Return the results of all entrants, best first."""
     results = [_standing(season, entrant, drives) for entrant, drives in season.drives.items()]
-    students_points = sorted(standing.points for standing in results if standing.entrant.is_student)
+    students_points = [standing.points for standing in results if standing.entrant.is_student]
     placed_standings = [
-        Standing(
-            standing.entrant,
-            1 + sum(points > standing.points for points in students_points)
-            if standing.entrant.is_student
-            else None,
-            standing.points,
-            standing.drives,
-        )
+        replace(standing, place=1 + sum(points > standing.points for points in students_points))
+        if standing.entrant.is_student
+        else standing
         for standing in results
     ]
     return sorted(placed_standings, key=lambda standing: -standing.points)

@@ -126,7 +126,7 @@ def drive_class(
         Takes the number of workers and returns an executor; see `grader.classroom.executors`.
     workers : int
     progress : callable
-        Called with (done, total, None) after each drive.
+        Called with (done, total, None) at the start and after each drive.
     students : collection of str, optional
         Run only the drives of these students. The other students take part if all their drives are
         stored. By default, all students drive.
@@ -217,11 +217,11 @@ def _build_season(
         for entrant, result in drives.items()
         if entrant.name == TRUE_BOXES and not entrant.is_student
     )
-    bad = {number for number, result in true_drives.items() if result.collision or result.fault}
+    failed = {number for number, result in true_drives.items() if result.collision or result.fault}
     return Season(
         lesson,
-        tuple(street for street in streets if street.number not in bad),
-        tuple(street for street in streets if street.number in bad),
+        tuple(street for street in streets if street.number not in failed),
+        tuple(street for street in streets if street.number in failed),
         drives,
     )
 

@@ -8,12 +8,13 @@ from pathlib import Path
 
 from grader.course.lessons import OPTIONAL_FOLDER, every_lesson
 from grader.course.paths import PROJECT
+from grader.errors import UserError
 
 TEMPLATES = Path(__file__).with_name("templates")
 DEFAULT_STAGE = "stage5_own"
 
 
-class UnusableName(ValueError):
+class UnusableName(UserError):
     """A new lesson cannot have this name; `str()` says why and what to do."""
 
 

@@ -4,9 +4,11 @@ To add an executor, write a function that opens an executor as described in
 `grader.classroom.protocol`, and add it to `EXECUTORS`.
 """
 
+import contextlib
+import functools
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 
@@ -46,3 +48,30 @@ EXECUTORS: dict[str, Callable[..., Executor]] = {
     "processes": Pool,
     "scheduler": connect_to_scheduler,
 }
+
+
+@contextlib.contextmanager
+def executor_factory(
+    scheduler: str | None, sandbox: str, notify: Callable[[str], None]
+) -> Iterator[Callable[[int], Executor]]:
+    """Yield a function that takes the number of workers and opens an executor.
+
+    All executors of a cluster share one connection.
+
+    Parameters
+    ----------
+    scheduler : str or None
+        Address of a cluster. None selects processes on this machine.
+    sandbox, notify
+        As for `grader.classroom.cluster.connect`.
+    """
+    with contextlib.ExitStack() as stack:
+
+        @functools.cache
+        def open_cluster() -> Executor:
+            return stack.enter_context(EXECUTORS["scheduler"](scheduler, sandbox, notify))
+
+        if scheduler:
+            yield lambda workers: contextlib.nullcontext(open_cluster())
+        else:
+            yield EXECUTORS["processes"]

@@ -9,22 +9,23 @@ from pathlib import Path
 from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.course.roster import Person, Roster, letters_and_digits, read_roster, roster_path
+from grader.errors import UserError
 
 MAX_SUGGESTIONS = 3
 
 
-class UnknownStudent(Exception):
-    """A text matches no student or several students; the message is shown to the user."""
+class UnknownStudent(UserError):
+    """A text matches no student or several students; `str()` says what to do."""
 
 
 def find_student(course: Course, text: str) -> str:
-    """Return the id of the student with a given id, name, e-mail address, login or folder.
+    """Return the ID of the student with a given ID, name, e-mail address, login or folder.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     text : str
-        An id, a name, an e-mail address, a login, or a folder in ``submitted/``.
+        An ID, a name, an e-mail address, a login, or a folder in ``submitted/``.
 
     Raises
     ------
@@ -89,7 +90,7 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
 
 
 def misspelt_folders(course: Course, roster: Roster) -> Iterator[str]:
-    """Yield a sentence about each folder that spells a student's id differently."""
+    """Yield a sentence about each folder that spells a student's ID differently."""
     folders = _student_folders(course)
     for folder in folders:
         owner = roster.owner_of(folder)

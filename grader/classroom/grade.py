@@ -120,8 +120,9 @@ def judge_class(
         Called with the number of workers; see `grader.classroom.executors`.
     workers : int
     progress : callable
-        Called with (done, total, submission) after each notebook, and with (done, total, text)
-        before other long work.
+        Called first with (done, total, None), where `done` counts the valid verdicts that were
+        already stored. Then called with (done, total, submission) after each notebook, and with
+        (done, total, text) before other long work.
     student : str, optional
         Judge only this student, even if there are valid verdicts.
 
@@ -132,7 +133,9 @@ def judge_class(
         other lessons are kept.
     """
     submissions = [
-        one for one in find_submissions(course, stages) if student in (None, one.student)
+        submission
+        for submission in find_submissions(course, stages)
+        if student in (None, submission.student)
     ]
     verdicts = {
         submission: None if student else stored_verdict(course, submission, seed)
@@ -218,9 +221,9 @@ def _judge_all(
             rehearsals.record_result(task, future)
             if rehearsals.has_failed:  # stop, because other lessons may be faulty as well
                 upcoming.clear()
-                for other, task in list(running.items()):
-                    if isinstance(task, Submission) and other.cancel():
-                        del running[other]
+                for other_future, other_task in list(running.items()):
+                    if isinstance(other_task, Submission) and other_future.cancel():
+                        del running[other_future]
         elif task and isinstance(future.exception(), BrokenExecutor):
             interrupted.append(task)
         elif task:  # a cancelled job has no task

@@ -106,8 +106,8 @@ def lesson_by_content(path: Path) -> Lesson | None:
 
 
 @functools.lru_cache(10_000)
-def _lesson_by_content(path: Path, *modification_time: int) -> Lesson | None:
-    """Return the lesson of a notebook; the result is cached until the file changes."""
+def _lesson_by_content(path: Path, *file_state: int) -> Lesson | None:
+    """Return the lesson of a notebook; the result is cached until `file_state` changes."""
 
     def work() -> str:
         lesson = _lesson_of(decode_notebook(read_file(path), os.fspath(path.name)))

@@ -1,4 +1,4 @@
-"""A lock that allows only one grading run per course at a time."""
+"""A lock that allows only one command at a time to change the data of a course."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Iterator
 
 from grader.course.paths import Course
+from grader.errors import FAULT, UserError
 
 try:
     import fcntl
@@ -15,8 +16,10 @@ except ImportError:  # Windows
     fcntl = None
 
 
-class AlreadyRunning(Exception):
-    """Another process is grading this course; the message is shown to the user."""
+class AlreadyRunning(UserError):
+    """Another process is changing the data of this course."""
+
+    exit_status = FAULT
 
 
 @contextlib.contextmanager

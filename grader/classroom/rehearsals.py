@@ -120,7 +120,7 @@ class Rehearsals:
         ----------
         executor : concurrent.futures.Executor
         progress : callable, optional
-            Called with (done, total, None) after each lesson.
+            Called with (done, total, None) at the start and after each lesson.
 
         Raises
         ------

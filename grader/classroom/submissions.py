@@ -40,7 +40,7 @@ class Submission:
     Attributes
     ----------
     student : str
-        The id on the roster, or the name of the folder if the student is not on a roster.
+        The ID on the roster, or the name of the folder if the student is not on a roster.
     lesson : grader.course.lessons.Lesson
     path : pathlib.Path
         The file that is judged.
@@ -123,7 +123,7 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
 
     Browsers and editors rename files and create folders, so the lesson of a file is found from its
     name or, if the name is unclear, from its content. If a student submits several files for a
-    lesson, the newest counts. The roster determines the owner of a folder; two spellings of an id
+    lesson, the newest counts. The roster determines the owner of a folder; two spellings of an ID
     count as one student.
 
     Parameters

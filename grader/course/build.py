@@ -21,6 +21,7 @@ from grader.course import durations, earlier_lessons
 from grader.course.lessons import Lesson, all_lessons, every_lesson, registry_faults
 from grader.course.paths import PROJECT
 from grader.course.settings import course_settings
+from grader.errors import FAULT, UserError
 from utils.notebooks.reading import id_of_text
 
 if TYPE_CHECKING:
@@ -53,8 +54,11 @@ NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS_LINE = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
-class RegistryFault(Exception):
+class RegistryFault(UserError):
     """Some lessons are ignored or conflict; the message has one sentence for each fault."""
+
+    exit_status = FAULT
+    is_multiline = True
 
 
 def build() -> list[tuple[str, Path]]:
@@ -94,10 +98,10 @@ def check() -> list[str]:
     """
     if faults := registry_faults():
         return faults
-    is_built = build_all()
+    generated = build_all()
     faults = [
         f"{path.relative_to(PROJECT)} is out of date. Run: python -m grader build"
-        for path, text in is_built.items()
+        for path, text in generated.items()
         if not path.exists() or path.read_bytes() != text
     ]
     faults += [
@@ -105,14 +109,14 @@ def check() -> list[str]:
         for path in _stray_notebooks()
     ]
     for lesson in every_lesson():
-        others = [is_built[other.released] for other in every_lesson() if other != lesson]
-        if b"](pictures/" in is_built[lesson.solved]:
+        others = [generated[other.released] for other in every_lesson() if other != lesson]
+        if b"](pictures/" in generated[lesson.solved]:
             faults.append(
                 f"{lesson.name} refers to a picture that does not exist. Run: make pictures"
             )
         faults += [
             f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: {line!r}"
-            for line in find_leaks(is_built[lesson.solved], is_built[lesson.released], others)
+            for line in find_leaks(generated[lesson.solved], generated[lesson.released], others)
         ]
     return faults
 
@@ -189,14 +193,12 @@ def to_bytes(notebook: NotebookNode) -> bytes:
     return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
 
 
-def find_leaks(
-    solved_notebook_bytes: bytes, released: bytes, others: Collection[bytes] = ()
-) -> list[str]:
-    """Return the lines of a solution that are also in the student's notebook.
+def find_leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> list[str]:
+    """Return the lines of a student's notebook that are in the solution or mark one.
 
     Parameters
     ----------
-    solved_notebook_bytes, released : bytes
+    solved, released : bytes
         The two notebooks.
     others : collection of bytes
         The student notebooks of the other lessons. Code that students get in another lesson is
@@ -204,8 +206,7 @@ def find_leaks(
     """
     shown = lines_of(released)
     return sorted(
-        secret_lines(solved_notebook_bytes, others) & shown
-        | {line for line in shown if "SOLUTION" in line}
+        secret_lines(solved, others) & shown | {line for line in shown if "SOLUTION" in line}
     )
 
 
@@ -274,8 +275,9 @@ def read_origin() -> Origin:
 
     The git remote is ignored, so that every clone builds the same bytes.
     """
-    chosen = course_settings()
-    return Origin(chosen["repository"].removesuffix("/").removesuffix(".git"), chosen["revision"])
+    settings = course_settings()
+    repository = settings["repository"].removesuffix("/").removesuffix(".git")
+    return Origin(repository, settings["revision"])
 
 
 def _released_notebooks(solved: dict[Path, bytes]) -> dict[Path, bytes]:
@@ -384,9 +386,9 @@ def _allow_errors_after_answers(notebook: NotebookNode) -> None:
         elif cells_since_answer is not None:
             cells_since_answer.append(cell)
             if cell.source.startswith("check("):
-                for below in cells_since_answer:
-                    tags = {*below.metadata.get("tags", ()), "raises-exception"}
-                    below.metadata["tags"] = sorted(tags)
+                for later_cell in cells_since_answer:
+                    tags = {*later_cell.metadata.get("tags", ()), "raises-exception"}
+                    later_cell.metadata["tags"] = sorted(tags)
                 cells_since_answer = None
 
 
@@ -400,12 +402,12 @@ def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
         cell.source = cell.source.replace(f"({name})", f"(attachment:{name})")
 
 
-def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:
-    """Return an ID that depends only on the cell: its nbgrader ID, or a digest of its text."""
+def _stable_id(cell: NotebookNode, id_counts: dict[str, int]) -> str:
+    """Return a cell's ID: its nbgrader ID, or a digest of its text, numbered if it is repeated."""
     grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
     name = grade_id or id_of_text(cell.source)
-    seen[name] = seen.get(name, 0) + 1
-    return name if seen[name] == 1 else f"{name}-{seen[name]}"
+    id_counts[name] = id_counts.get(name, 0) + 1
+    return name if id_counts[name] == 1 else f"{name}-{id_counts[name]}"
 
 
 def _join_source(source: str | list[str]) -> str:

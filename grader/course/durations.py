@@ -28,7 +28,7 @@ MINUTES_PER_NOTEBOOK = 0.5  # finding the functions of an earlier notebook and p
 MINUTES_PER_REPORT = 15  # writing an answer that a person grades
 MINUTES_FOR_QUESTIONS = 3  # answering the two questions about a function
 MAX_MINUTES_WITHOUT_STOP = 90
-# A line that students write or change, with the number of lines if there are several.
+# A comment on lines that students write or change, with their number if there are several.
 OWN_LINES = re.compile(r"# (?:roughly (\d+) lines?|change this)", re.I)
 UNREAD_TAGS = {"badge", "setup", "folded", "footer"}  # of cells that do not count as read
 # Text that does not count as read: folded hints, pictures, and addresses of links.

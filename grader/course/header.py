@@ -28,8 +28,8 @@ class LessonHeader:
     forbidden : tuple of str
         Modules that students may not use, because they would solve the exercise.
     given : tuple of str
-        Functions and classes that the lesson defines and that answers use. The judge uses the
-        lesson's version, even if a notebook changes it.
+        Functions and classes that the lesson defines and that answers use. The judge uses a
+        notebook's own version only if it is above the checks, and otherwise the lesson's.
     lent : tuple of str
         Functions of the lesson that call an exercise very often. Their results are stored instead
         of the exercise's answers; see `utils.lent`.

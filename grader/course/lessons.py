@@ -191,10 +191,10 @@ def registry_faults() -> list[str]:
                 f"{first_lesson.name} and {lesson.name} have the same number. Renumber one of "
                 f"them and its checks in utils/checks/lesson_{lesson.number}."
             )
-        for exercise in re.findall(r'"grade": true, "grade_id": "test_(\w+)"', lesson.text):
-            if (first_lesson := by_exercise.setdefault(exercise, lesson)) != lesson:
+        for name in re.findall(r'"grade": true, "grade_id": "test_(\w+)"', lesson.text):
+            if (first_lesson := by_exercise.setdefault(name, lesson)) != lesson:
                 faults.append(
-                    f"{first_lesson.name} and {lesson.name} both have an exercise {exercise}. "
+                    f"{first_lesson.name} and {lesson.name} both have an exercise {name}. "
                     "Rename one of the two."
                 )
     return faults
@@ -228,7 +228,7 @@ def find_lesson(text: str) -> Lesson | None:
     return None
 
 
-def lesson_of(exercise: str) -> Lesson:
+def lesson_of(exercise_name: str) -> Lesson:
     """Return the lesson that contains an exercise.
 
     Raises
@@ -237,9 +237,9 @@ def lesson_of(exercise: str) -> Lesson:
         If no lesson contains the exercise.
     """
     for lesson in all_lessons():
-        if exercise in (candidate.name for candidate in lesson.exercises):
+        if exercise_name in (exercise.name for exercise in lesson.exercises):
             return lesson
-    raise LookupError(f"No lesson has the exercise {exercise!r}.")
+    raise LookupError(f"No lesson has the exercise {exercise_name!r}.")
 
 
 @functools.cache

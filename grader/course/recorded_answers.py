@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from nbformat import NotebookNode
 
 ANSWERS_FOLDER = PROJECT / "utils" / "lent"
-MAX_FILE_BYTES = 45_000  # bytes
+MAX_FILE_BYTES = 45_000
 
 
 class UnstorableAnswers(Exception):
@@ -76,12 +76,12 @@ def add_recorder(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
         "from utils.lent import record_answers\n"
         f"record_answers({names}, {list(lesson.header.lent)}, {str(path)!r})"
     )
-    setup = next(
+    setup_index = next(
         number
         for number, cell in enumerate(notebook.cells)
         if "setup" in cell.metadata.get("tags", ())
     )
-    notebook.cells.insert(setup + 1, nbformat.v4.new_code_cell(source))
+    notebook.cells.insert(setup_index + 1, nbformat.v4.new_code_cell(source))
 
 
 def stored_bytes(lesson: Lesson, path: Path) -> bytes:

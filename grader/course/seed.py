@@ -12,7 +12,7 @@ from grader.errors import UserError
 MIN_SEED = 2**64
 
 
-class ShortSeed(UserError):
+class SmallSeed(UserError):
     """The seed is so small that students could guess it; `str()` is the sentence to show."""
 
 
@@ -33,11 +33,11 @@ def course_seed(course: Course, requested_seed: int | None = None) -> int:
 
     Raises
     ------
-    ShortSeed
+    SmallSeed
         If the seed is less than `MIN_SEED`.
     """
     if requested_seed is not None:
-        return _require_long_seed(requested_seed, "Leave --seed out")
+        return _require_large_seed(requested_seed, "Leave --seed out")
     if not course.seed_file.exists():
         # Two graders may start at the same time. Each links its complete file to the final name,
         # and only the first link succeeds.
@@ -48,14 +48,14 @@ def course_seed(course: Course, requested_seed: int | None = None) -> int:
             os.link(draft, course.seed_file)
         os.unlink(draft)
     stored = int(course.seed_file.read_text("utf-8"))
-    return _require_long_seed(stored, f"Remove {course.seed_file.name}")
+    return _require_large_seed(stored, f"Remove {course.seed_file.name}")
 
 
-def _require_long_seed(seed: int, remedy: str) -> int:
+def _require_large_seed(seed: int, remedy: str) -> int:
     if seed < MIN_SEED:
-        better = secrets.randbits(127) | MIN_SEED
-        raise ShortSeed(
+        suggested_seed = secrets.randbits(127) | MIN_SEED
+        raise SmallSeed(
             f"The seed {seed} is so small that students could guess it and predict every hidden "
-            f"test. {remedy} to let the grader draw a seed, or use this one: {better}"
+            f"test. {remedy} to let the grader draw a seed, or use this one: {suggested_seed}"
         )
     return seed

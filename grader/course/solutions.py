@@ -111,7 +111,7 @@ def run_all(
     workers : int
         Number of notebooks that run at the same time.
     progress : callable
-        Called with (done, total, lesson name) after each notebook.
+        Called with (0, total, "") first, and with (done, total, lesson name) after each notebook.
     run : callable
         Runs the notebook of a lesson and returns its bytes.
     """
@@ -178,8 +178,8 @@ def _run_solved_notebook(lesson: Lesson, additional_code: str) -> bytes:
             cell.source = SOLUTION_MARKS.sub("", cell.source).rstrip("\n")
     additional_cell = nbformat.v4.new_code_cell(additional_code)
     tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
-    setup = next(number for number, names in enumerate(tags) if "setup" in names)
-    notebook.cells.insert(setup + 1, additional_cell)
+    setup_index = next(number for number, names in enumerate(tags) if "setup" in names)
+    notebook.cells.insert(setup_index + 1, additional_cell)
     try:
         run_notebook(notebook, lesson.released.parent)
     except NotebookStopped as reason:

@@ -27,7 +27,7 @@ BADGE_TEXT = (
     "Code or JupyterLab with NumPy, SciPy and matplotlib installed.*"
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
-MAX_NOTEBOOK_BYTES = 490_000  # bytes
+MAX_NOTEBOOK_BYTES = 490_000
 
 
 class ReleaseError(Exception):
@@ -121,7 +121,7 @@ def setup_cell(lesson: str) -> str:
 
 def packed_tools(lesson: str) -> bytes:
     """Return a reproducible, compressed archive of ``utils`` for one lesson."""
-    others = {f"lesson_{other.number}" for other in every_lesson() if other.name != lesson}
+    other_lessons = {f"lesson_{other.number}" for other in every_lesson() if other.name != lesson}
     own_lesson = next(candidate for candidate in every_lesson() if candidate.name == lesson)
     text = own_lesson.released.read_text("utf-8")
     left_out = [
@@ -131,7 +131,7 @@ def packed_tools(lesson: str) -> bytes:
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):
             name = path.relative_to(PROJECT)
-            is_of_other_lesson = others & {name.stem, *name.parts}
+            is_of_other_lesson = other_lessons & {name.stem, *name.parts}
             if (
                 path.suffix not in (".py", ".html", ".js", ".json")
                 or is_of_other_lesson

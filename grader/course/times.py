@@ -104,8 +104,8 @@ def compute_lateness(submitted_at: datetime, due: datetime, zone: tzinfo | None)
     days = (submitted_at - due).days + 1  # at most, because a day may have 23 hours
     while days and to_utc(clock + timedelta(days), zone) > submitted_at:
         days -= 1
-    begin = to_utc(clock + timedelta(days), zone) if days else due
-    return timedelta(days) + min(submitted_at - begin, timedelta(1))
+    last_day_start = to_utc(clock + timedelta(days), zone) if days else due
+    return timedelta(days) + min(submitted_at - last_day_start, timedelta(1))
 
 
 def _parse_date(text: str, language: str) -> tuple[int, int, int] | None:

@@ -84,12 +84,14 @@ def illustrate(cells: Iterable[Cell]) -> IllustratedText:
     not_shown: list[str] = []
     texts = []
     for cell in cells:
-        own = {unquote(name): content for name, content in cell.attachments.items()}
-        found = {
+        cell_attachments = {unquote(name): content for name, content in cell.attachments.items()}
+        definitions = {
             _normalize_label(definition["label"]): definition["address"]
             for definition in _DEFINITION.finditer(cell.source)
         }
-        replace = functools.partial(_replace_picture, own, found, attachments, not_shown)
+        replace = functools.partial(
+            _replace_picture, cell_attachments, definitions, attachments, not_shown
+        )
         texts.append(_DEFINITION.sub(_remove_data, _PICTURE.sub(replace, cell.source)))
     return IllustratedText("\n\n".join(texts), attachments, tuple(not_shown))
 
@@ -121,7 +123,7 @@ def _replace_picture(
 
 
 def _description_and_address(match: re.Match, definitions: dict[str, str]) -> tuple[str, str]:
-    """Return a picture's description and address; both are empty if it is not a picture."""
+    """Return a picture's description and address; the address is empty if it is not a picture."""
     if match["attributes"] is not None:
         source = _SOURCE.search(match["attributes"])
         description = _DESCRIPTION.search(match["attributes"])

@@ -279,8 +279,8 @@ def _restore_code_cells(draft: _Draft) -> Iterator[str]:
         ]
         if not names_to_judge:
             continue
-        counts = [sort_keys[last[name]] for name in names_in_cell if name not in names_to_judge]
-        just_before = [math.nextafter(order, -math.inf) for order in counts]
+        other_keys = [sort_keys[last[name]] for name in names_in_cell if name not in names_to_judge]
+        just_before = [math.nextafter(key, -math.inf) for key in other_keys]
         sort_keys[index] = min([sort_keys[index], *just_before])
         for name in names_in_cell:
             last[name] = max(index, last.get(name, index), key=sort_keys.__getitem__)
@@ -432,34 +432,36 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
     moved = set()
     for name in _hand_graded_cells(draft.lesson):
         stub = _released_cells_by_id(draft.lesson)[name]
-        own_text = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
+        own_cells = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
         index_before = _index_before(draft, name)
         if (
-            not own_text
+            not own_cells
             and index_before is not None
             and _has_same_source(draft, index_before + 1, stub)
         ):
-            own_text = [index_before + 1]  # this cell only lost its metadata
-        is_filled = [
+            own_cells = [index_before + 1]  # this cell only lost its metadata
+        filled_cells = [
             index
-            for index in own_text
+            for index in own_cells
             if draft.cells[index].source.split() not in ([], stub.source.split())
         ]
-        if is_filled:
-            draft.graded[name] = is_filled[0]
-            texts = [_as_text_cell(draft.cells[index]) for index in is_filled]
-            moved.update(is_filled[1:])
-            if any(draft.cells[index].kind == "code" for index in is_filled):
+        if filled_cells:
+            draft.graded[name] = filled_cells[0]
+            texts = [_as_text_cell(draft.cells[index]) for index in filled_cells]
+            moved.update(filled_cells[1:])
+            if any(draft.cells[index].kind == "code" for index in filled_cells):
                 yield (
                     f"The answer to {name} was in a code cell. The grader treats it as text. In "
                     "Jupyter, select the cell and press M to make it a text cell again."
                 )
         else:
-            begin = own_text[0] if own_text else index_before
-            below = [] if begin is None else list(_new_text_cells(draft, begin, released))
+            index_above = own_cells[0] if own_cells else index_before
+            below = []
+            if index_above is not None:
+                below = list(_new_text_cells(draft, index_above, released))
             texts = [draft.cells[index] for index in below]
-            if own_text:
-                draft.graded[name] = own_text[0]
+            if own_cells:
+                draft.graded[name] = own_cells[0]
                 moved.update(below)
             elif below:
                 draft.graded[name] = below[0]
@@ -474,7 +476,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
         text = answer.text
         if answer.not_shown:
             yield _not_shown_sentence(name, answer.not_shown)
-        is_certain = bool(text) or bool(own_text) or not _has_stray_text(draft, released)
+        is_certain = bool(text) or bool(own_cells) or not _has_stray_text(draft, released)
         if not is_certain:
             yield (
                 f"The cell for {name} is missing, and other text in the notebook may be the "
@@ -544,9 +546,9 @@ def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
     return sentences
 
 
-def _new_text_cells(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
-    """Yield the indices of the student's own text cells up to the next released cell."""
-    for index in range(begin + 1, len(draft.cells)):
+def _new_text_cells(draft: _Draft, index_above: int, released: list[list[str]]) -> Iterator[int]:
+    """Yield the indices of the student's own text cells below a cell, up to a released cell."""
+    for index in range(index_above + 1, len(draft.cells)):
         cell = draft.cells[index]
         if cell.grade_id or (cell.source.strip() and _is_released_text(cell, released)):
             return

@@ -75,7 +75,7 @@ class SubmittedFiles:
 
 
 def is_skipped_folder(name: str) -> bool:
-    """Return whether a folder is hidden or contains installed packages."""
+    """Return whether a folder is hidden, made by a program or full of installed packages."""
     return name.startswith((".", "__")) or name in PACKAGE_FOLDERS
 
 

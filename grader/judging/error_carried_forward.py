@@ -110,7 +110,7 @@ def carry_forward(
             improved[exercise.name] = CarriedForwardResult(
                 outcomes, gain.sentence, programs[-1], gain
             )
-        elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
+        elif any(new.failure and not old.failure for old, new in zip(first, outcomes, strict=True)):
             sentence = _INCONSISTENT_RUNS.format(name=exercise.name)
             improved[exercise.name] = CarriedForwardResult(outcomes, sentence, program)
     return improved

@@ -67,7 +67,7 @@ def generator_for_students(seed: int, purpose: str) -> np.random.Generator:
     seed : int
         The secret.
     purpose : str
-        Purpose of the generator. Each label results in a different digest.
+        Purpose of the generator. Each purpose results in a different digest.
     """
     digest = hashlib.sha256(f"for students: {seed} {purpose}".encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson, optional_lessons
+from grader.errors import UserError
 from grader.intake.preflight import JudgeInput, lesson_name_in, prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, read_submitted_files
@@ -40,8 +41,8 @@ STARVED_NOTE = (
 )
 
 
-class UnknownLesson(Exception):
-    """The lesson of a notebook is unknown; `str()` returns the message to show."""
+class UnknownLesson(UserError):
+    """The lesson of a notebook is unknown."""
 
 
 def judge(
@@ -88,7 +89,7 @@ def judge_files(
     limits: Limits | None = None,
 ) -> Verdict:
     """Judge a submission that has already been read; see `judge`."""
-    begin = time.perf_counter()
+    start = time.perf_counter()
     lesson = lesson or _identify_lesson(submitted_files)
     try:
         judge_input = prepare_to_judge(submitted_files, lesson)
@@ -109,7 +110,7 @@ def judge_files(
         max_score=sum_points([exercise.max_score for exercise in decision.exercises]),
         exercises=decision.exercises,
         problems=tuple(map(one_line, decision.problems)),
-        seconds=round(time.perf_counter() - begin, 3),
+        seconds=round(time.perf_counter() - start, 3),
         key=verdict_key(submitted_files, lesson, seed, student),
         faults=decision.faults,
         starved=decision.starved,
@@ -216,7 +217,7 @@ def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
         *[STARVED_NOTE] * starved,
         *judge_input.notes,
         *results.problems,
-        *(better.sentence for better in carried.values()),
+        *(result.sentence for result in carried.values()),
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
     return _Decision(exercises, problems, (), starved)
@@ -256,8 +257,8 @@ def _retry_suspicious_checks(
     again = run_program(context, program, suspicious.__contains__)
     if again.fault:  # keep the result of the first run
         return results
-    better = {outcome.check: outcome for outcome in again.outcomes}
-    outcomes = tuple(better.get(outcome.check, outcome) for outcome in results.outcomes)
+    new_outcomes = {outcome.check: outcome for outcome in again.outcomes}
+    outcomes = tuple(new_outcomes.get(outcome.check, outcome) for outcome in results.outcomes)
     return replace(results, outcomes=outcomes)
 
 

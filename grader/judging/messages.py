@@ -103,7 +103,7 @@ def _kind_and_subject(failure: CheckFailed) -> tuple[MessageKind, str]:
         case NotStarted():
             return MessageKind.NOT_STARTED, failure.stub
         case NotYet():
-            return MessageKind.WAITING, failure.basic
+            return MessageKind.WAITING, failure.requirement
         case CallStopped(out_of_time=True):
             return MessageKind.OUT_OF_TIME, ""
     return MessageKind.OWN, ""
@@ -127,7 +127,7 @@ def shareable_failure(outcome: Outcome, is_visible: bool) -> CheckFailed:
         place = error.place if is_visible else error.shown_place
         return ExceptionRaised(sentence, kind=error.shown_type, place=place, tip=tip)
     if isinstance(error, NotYet):
-        return NotYet(error.basic)
+        return NotYet(error.requirement)
     if isinstance(error, CheckFailed):
         kind = type(error) if isinstance(error, WrongForm) else CheckFailed
         number_filter = remove_most_numbers if is_visible else remove_numbers

@@ -52,5 +52,5 @@ def points_of(points: float, outcomes: Sequence[Outcome]) -> float:
     """
     maxima = divide_points(points, [outcome.check.weight for outcome in outcomes])
     return sum_points(
-        [share for share, one in zip(maxima, outcomes, strict=True) if not one.failure]
+        [share for share, outcome in zip(maxima, outcomes, strict=True) if not outcome.failure]
     )

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
+from grader.judging.collection import JudgeFault
 from grader.judging.runner import (
     TEST_SECONDS,
-    JudgeFault,
     JudgeTimeout,
     every_check,
     exercises_with_notes,
@@ -166,11 +166,11 @@ def _diagnose(exercise: str, student: StudentProxy, budget: Budget) -> Mistake |
     seconds_left = TEST_SECONDS - budget.judge_seconds[exercise]
     if seconds_left <= 0:
         return None
-    student.exercise, seconds, begin = exercise, budget.seconds, time.process_time()
+    student.exercise, seconds, start = exercise, budget.seconds, time.process_time()
     mistake = None
     with contextlib.suppress(JudgeTimeout), limited_cpu_time(seconds_left) as is_over:
         mistake = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
-    budget.judge_seconds[exercise] += time.process_time() - begin
+    budget.judge_seconds[exercise] += time.process_time() - start
     if is_over.is_set():
         student.close()  # a call may have been interrupted before its reply was read
     budget.add_failed_seconds(exercise, seconds - budget.seconds)

@@ -173,7 +173,7 @@ def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
     """Return the cell and line numbers where student code raised, or called code that raised."""
     errors = [outcome.failure for outcome in failed if isinstance(outcome.failure, StudentError)]
     locations = [
-        location for error in errors for location in (error.place, error.calling) if location
+        location for error in errors for location in (error.place, error.call_place) if location
     ]
     return frozenset(filter(None, map(cell_and_line, locations)))
 

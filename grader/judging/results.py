@@ -16,7 +16,7 @@ from utils.checks.summary import summarise
 
 
 def unjudged_results(lesson: Lesson) -> tuple[ExerciseResult, ...]:
-    """Return the results of a lesson whose checks did not run."""
+    """Return results without points and checks, for a notebook that could not be judged."""
     return tuple(
         ExerciseResult(exercise.name, 0.0, exercise.points, ())
         for exercise in lesson.machine_graded
@@ -58,8 +58,10 @@ def result_of(
     sentences += [message_of(summary.first, summary.mistake).text] if summary.first else []
     first = summary.first.check.name if summary.first and not summary.not_started else ""
     score = sum_points([result.score for result in checks])
-    keeps = MISSED_TASK_KEEPS if mistake and mistake.is_the_task else ONE_SLIP_KEEPS
-    slip = _build_slip(proven_slip, exercise.points, score, keeps) if proven_slip else None
+    kept_share = MISSED_TASK_KEEPS if mistake and mistake.is_the_task else ONE_SLIP_KEEPS
+    slip = None
+    if proven_slip:
+        slip = _build_slip(proven_slip, exercise.points, score, kept_share)
     score = sum_points([score, slip.score]) if slip else score
     cause = "\n".join(sentences)
     gain = carried.gain if carried else None

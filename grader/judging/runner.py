@@ -1,34 +1,29 @@
 """Run the checks of a lesson in this process, which never executes student code.
 
-Visible checks run as in the notebook. Pytest collects the hidden tests of a lesson only once per
-process, because collecting them takes as long as running them. Settings in the environment,
-plugins and ``conftest.py`` files have no effect.
+Visible checks run as in the notebook. Hidden tests are functions that pytest has collected.
 """
 
 from __future__ import annotations
 
 import contextlib
 import functools
-import hashlib
 import importlib
 import itertools
-import os
 import signal
+import sys
 import threading
 import time
 import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from types import FrameType
 from typing import NoReturn
 
 import numpy as np
-import pytest
 
 from grader.course.lessons import Lesson
-from grader.judging.hidden_tests import check_of
+from grader.judging.collection import HiddenTest, collect_hidden_tests
 from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -43,38 +38,18 @@ from utils.checks.run_cache import cached_run
 # Limit on the processor seconds of one test in this process, without the student's code. The limit
 # also applies to all failed checks of an exercise together, in all runs with the same budget.
 TEST_SECONDS = 15.0
+# The limit is extended by this time, repeatedly, while a module is being imported.
+IMPORT_POLLING_INTERVAL = 0.02
 # An exercise is not called again after this many answers that are far too large, because reading
 # each one takes seconds.
 MAX_TOO_LARGE = 5
 # If a check fails, a reply with more bytes than this counts as such an answer. The largest scan
 # needs less than 12 MB, even as a list of rows.
 MAX_REPLY_BYTES = 12 * 2**20
-# Pytest plugins that hidden tests do not need.
-_NOT_NEEDED = (
-    *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
-    *("legacypath", "logging", "pastebin", "recwarn", "reports", "setuponly", "setupplan"),
-    *("skipping", "stepwise", "subtests", "terminal", "threadexception", "unittest"),
-    "unraisableexception",
-)
-_OPTIONS = (
-    "--collect-only",
-    "--noconftest",
-    "--import-mode=importlib",
-    f"--rootdir={os.sep}",
-    "-c",
-    os.devnull,
-    "-o",
-    "markers=judged: belongs to an exercise",
-    *(option for plugin in _NOT_NEEDED for option in ("-p", f"no:{plugin}")),
-)
 
 
 class JudgeTimeout(Exception):
     """Comparing an answer took longer than it takes for any right answer."""
-
-
-class JudgeFault(Exception):
-    """The tests themselves could not be run. This is the course's fault, not the student's."""
 
 
 # Exceptions that a wrong answer may cause in a check. Any other exception may be the check's fault.
@@ -87,11 +62,11 @@ class _Runner:
     def __init__(
         self,
         student: StudentProxy,
-        selected: Callable[[Check], bool],
+        is_selected: Callable[[Check], bool],
         keep_going: bool = True,
         budget: Budget | None = None,
     ) -> None:
-        self.proxy, self.selected = student, selected
+        self.proxy, self.is_selected = student, is_selected
         self.budget = budget or Budget(Limits())
         self.continues, self.keep_going = True, keep_going
         self.outcomes: dict[Check, Outcome] = {}
@@ -114,7 +89,7 @@ class _Runner:
         try:
             with self.under_test(check):
                 call(self.proxy, *arguments)
-        except (Exception, pytest.fail.Exception, pytest.skip.Exception) as caught:
+        except Exception as caught:
             error = caught
         self.record(check, error)
 
@@ -135,7 +110,7 @@ class _Runner:
                 "Not run: comparing earlier answers to this exercise took longer than any right "
                 "answer needs."
             )
-        begin, self.proxy.largest_reply = time.process_time(), 0
+        start, self.proxy.largest_reply = time.process_time(), 0
         try:
             with (
                 self.budget.charge_if_failed(exercise),
@@ -144,7 +119,7 @@ class _Runner:
             ):
                 yield
         except Exception as error:
-            used_seconds = time.process_time() - begin
+            used_seconds = time.process_time() - start
             if isinstance(error, JudgeTimeout):  # which the kernel may raise a little early
                 used_seconds = max(used_seconds, seconds_left)
             self.budget.judge_seconds[exercise] += used_seconds
@@ -192,64 +167,6 @@ class _UntouchedRunner(_Runner):
         raise StudentError(check.exercise, "NotImplementedError")
 
 
-@dataclass(frozen=True)
-class HiddenTest:
-    """A hidden test that can run for any student, and more than once.
-
-    Attributes
-    ----------
-    check : utils.checks.Check
-    function : callable
-    arguments : dict of str to object
-        All arguments except the student.
-    takes_student : bool
-    """
-
-    check: Check
-    function: Callable[..., object]
-    arguments: dict[str, object]
-    takes_student: bool
-
-    def __call__(self, student: StudentProxy) -> None:
-        """Raise an exception for a wrong answer."""
-        others = {"student": student} if self.takes_student else {}
-        self.function(**self.arguments, **others)
-
-
-class _Collector:
-    """A pytest plugin that stores the hidden tests, which pytest only collects."""
-
-    def __init__(self, seed: int) -> None:
-        self._seed = seed
-        self.tests: list[HiddenTest] = []
-        self.complaints: list[str] = []
-        self.interrupted = False
-
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Store each test with its arguments."""
-        for item in items:
-            arguments = {**item.callspec.params} if hasattr(item, "callspec") else {}
-            names = [name for name in item.fixturenames if name not in arguments]
-            if others := {*names} - {"student", "seed"}:
-                self.complaints.append(
-                    f"{item.name} takes {', '.join(sorted(others))}. A hidden test may take "
-                    "student, seed and the parameters of pytest.mark.parametrize."
-                )
-                continue
-            if "seed" in names:
-                arguments["seed"] = self._seed
-            self.tests.append(HiddenTest(check_of(item), item.obj, arguments, "student" in names))
-
-    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Record why a test file could not be read."""
-        if report.failed:
-            self.complaints.append(str(report.longrepr))
-
-    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
-        """Record whether the run was interrupted by a person and not by pytest itself."""
-        self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
-
-
 def _call_visible_check(student: StudentProxy, check: Check) -> None:
     check.run(getattr(student, object_to_diagnose(check.exercise)))
 
@@ -270,7 +187,7 @@ def hidden_calls(
     names = {check.name for check in checks if not check.is_shown}
     if not names:
         return ()
-    tests = _hidden_tests(lesson.tests, seed)
+    tests = collect_hidden_tests(lesson.tests, seed)
     return tuple(functools.partial(test, student) for test in tests if test.check.name in names)
 
 
@@ -349,60 +266,26 @@ def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
 
 def _run_all_checks(lesson: Lesson, seed: int, runner: _Runner) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # registers the checks
-    hidden_tests = _hidden_tests(lesson.tests, seed)
+    hidden_tests = collect_hidden_tests(lesson.tests, seed)
     with cached_run():
         for exercise in lesson.machine_graded:
-            for check in filter(runner.selected, checks_of(exercise.name)):
+            for check in filter(runner.is_selected, checks_of(exercise.name)):
                 runner.run_visible(check)
         for test in hidden_tests:
-            if runner.selected(test.check):
+            if runner.is_selected(test.check):
                 runner.run_hidden(test)
     if runner.sandbox_error:
         raise runner.sandbox_error
     return [*runner.outcomes.values()]
 
 
-@functools.cache
-def _hidden_tests(file: Path, course_seed: int) -> tuple[HiddenTest, ...]:
-    """Return the hidden tests in a file.
-
-    Raises
-    ------
-    JudgeFault
-        If the tests cannot be collected.
-    KeyboardInterrupt
-        Pytest catches it, so it is raised again here.
-    """
-    # Verdicts of earlier releases depend on this text, so it must not change.
-    text = f"{course_seed} test_{file.parent.name}.py"
-    collector = _Collector(int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big"))
-    # Without this option, pytest searches all parent folders for configuration.
-    option = f"--confcutdir={file.parent}"
-    with _plain_environment():
-        code = int(pytest.main([str(file), option, *_OPTIONS], plugins=[collector]))
-    if collector.interrupted:
-        raise KeyboardInterrupt
-    if collector.complaints or not collector.tests:
-        raise JudgeFault(
-            f"pytest cannot collect the tests in {file.parent.name}/{file.name} "
-            f"(exit code {code}). Run pytest on this file to see why."
-            + "".join(f"\n{complaint}" for complaint in collector.complaints)
-        )
-    return tuple(collector.tests)
-
-
-@contextlib.contextmanager
-def _plain_environment() -> Iterator[None]:
-    """Hide pytest's environment variables inside a with statement."""
-    before = {name: text for name, text in os.environ.items() if name.startswith(("PYTEST", "PY_"))}
-    for name in before:
-        del os.environ[name]
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
-    try:
-        yield
-    finally:
-        del os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"]
-        os.environ.update(before)
+def _import_depth(frame: FrameType | None) -> int:
+    """Return how many frames belong to imports, among a frame and its callers."""
+    depth = 0
+    while frame is not None:
+        depth += frame.f_code.co_filename.startswith("<frozen importlib")
+        frame = frame.f_back
+    return depth
 
 
 @contextlib.contextmanager
@@ -419,7 +302,13 @@ def limited_cpu_time(seconds: float) -> Iterator[threading.Event]:
         yield is_over  # Python can be interrupted only in the main thread
         return
 
-    def raise_timeout(*signal_and_frame: object) -> None:
+    depth = _import_depth(sys._getframe())
+
+    def raise_timeout(number: int, frame: FrameType | None) -> None:
+        if _import_depth(frame) > depth:
+            # An interrupted import could leave a module unusable, for all later students as well.
+            signal.setitimer(signal.ITIMER_PROF, IMPORT_POLLING_INTERVAL)
+            return
         is_over.set()
         raise JudgeTimeout
 

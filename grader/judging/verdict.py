@@ -193,8 +193,7 @@ class Verdict:
     faults : tuple of str
         Failures of the judge itself, with tracebacks, for the instructor.
     starved : bool
-        Whether points were lost and code reached a time limit because it got hardly any processor
-        time.
+        Whether points were lost, and the machine was too busy or had too little memory.
     fingerprint : str
         Fingerprint of the submission; empty if it is not known.
     """
@@ -223,9 +222,9 @@ class Verdict:
         gains = {exercise.gain.sentence for exercise in self.exercises if exercise.gain}
         return tuple(problem for problem in self.problems if problem not in gains)
 
-    def points_without(self, off: Collection[str]) -> tuple[float, float]:
+    def points_without(self, excluded: Collection[str]) -> tuple[float, float]:
         """Return the score and the maximum score without the exercises that are switched off."""
-        counted = [exercise for exercise in self.exercises if exercise.name not in off]
+        counted = [exercise for exercise in self.exercises if exercise.name not in excluded]
         return (
             sum(exercise.score for exercise in counted),
             sum(exercise.max_score for exercise in counted),

@@ -71,9 +71,9 @@ def cell_marks(book: Gradebook, stage: str | None = None) -> CellMarks:
     return CellMarks(
         {
             (student, lesson, cell): CellMark(
-                score or 0.0, manual is not None or bool(extra), bool(waiting), most
+                score or 0.0, manual is not None or bool(extra), bool(waiting), max_score
             )
-            for student, lesson, cell, score, manual, extra, waiting, most in grades
+            for student, lesson, cell, score, manual, extra, waiting, max_score in grades
         },
         {
             (student, lesson, cell): comment

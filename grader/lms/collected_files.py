@@ -22,7 +22,7 @@ class CollectedFile:
     ----------
     owner, file : str
     attachment : int
-        Canvas attachment id; 0 for other platforms.
+        Canvas attachment ID; 0 for other platforms.
     participant : str
         Moodle participant number; empty for other platforms.
     """

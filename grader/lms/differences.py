@@ -21,7 +21,7 @@ def differences(
     course: Course,
     book: Gradebook,
     entry: StageEntry,
-    late: AssignLatePenalties,
+    late_penalties: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
     """List how the gradebook and the autograded copies differ from the verdicts.
@@ -58,7 +58,7 @@ def differences(
                 sentences.append(
                     f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
                 )
-        penalty = penalty_of(submission, notebook, late, deadlines, times)
+        penalty = penalty_of(submission, notebook, late_penalties, deadlines, times)
         if not _is_close(notebook.late_submission_penalty, penalty):
             sentences.append(f"{label}: the gradebook has a different late penalty")
         if (

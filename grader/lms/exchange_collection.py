@@ -58,7 +58,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         student, *rest = name.rsplit("+", 3)
         text = rest[1] if len(rest) > 1 else ""
         try:
-            # As `grade` reads the time. nbgrader ignores a time zone such as NZ.
+            # Read the time as `grade` does, because nbgrader ignores a time zone such as NZ.
             stated = read_time(text)
             time = to_utc(stated, UTC).replace(tzinfo=None)
             # Without a zone, the text stays as it is, because `grade` warns about such times.

@@ -135,10 +135,10 @@ class Feedback:
         )
         # If there is a problem with a file, the student's work may be missing from it.
         is_whole = not any(lesson.problems for lesson in self.lessons)
-        about = "Some answers still have to be graded by hand, so the points are not final."
+        not_final = "Some answers still have to be graded by hand, so the points are not final."
         return (
             *([untouched] if self.is_untouched and is_whole else ()),
-            *([about] if waiting else ()),
+            *([not_final] if waiting else ()),
             *lateness_sentences(self.result, self.zone, [lesson.result for lesson in self.lessons]),
         )
 

@@ -184,7 +184,7 @@ def write_feedback(
     platform : str or None
         One of `PLATFORMS`.
     progress : callable
-        Called with (done, total, student) after each page.
+        Called with (done, total, student) after each student.
     section : str, optional
         The section to which `students` belong. It becomes a part of the zip's name.
 

@@ -20,7 +20,7 @@ def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
     head = render_template("notebook.html", feedback=feedback, lesson=lesson, sentence=INTRODUCTION)
     cells = [_html(head)]
     for exercise in lesson.exercises:
-        cells.append(_html(render_template("exercise.html", one=exercise)))
+        cells.append(_html(render_template("exercise.html", exercise=exercise)))
         cells += [_markdown(exercise.answer)] if exercise.answer else []
         cells += [_html("<b>Comment</b>"), _markdown(exercise.comment)] if exercise.comment else []
     for number, cell in enumerate(cells):

@@ -51,7 +51,7 @@ class Trace:
 
 
 def student_to_forget(course: Course, text: str) -> str:
-    """Return the id of a student, who may be only in the gradebook, a log or the due dates.
+    """Return the ID of a student, who may be only in the gradebook, a log or the due dates.
 
     Raises
     ------
@@ -94,9 +94,8 @@ def remaining_lines(course: Course, student: str) -> Iterator[str]:
 
 
 def _own_traces(course: Course, student: str) -> Iterator[Trace]:
-    yield from _team_record_traces(
-        course, student
-    )  # they are found through the student's own folders
+    # These traces come first, because they are found through the student's own folders.
+    yield from _team_record_traces(course, student)
     yield from _folder_traces(course, student)
     yield from _page_traces(course, student)
     yield from _gradebook_traces(course, student)
@@ -121,7 +120,7 @@ def _folder_traces(course: Course, student: str) -> Iterator[Trace]:
 
 
 def _folders_of(course: Course, student: str, folder: Path) -> list[Path]:
-    """Return the student's folders in a folder, whose names may be other spellings of the id."""
+    """Return the student's folders in a folder, whose names may be other spellings of the ID."""
     roster = read_roster(course)
     paths = sorted(folder.iterdir()) if folder.is_dir() else []
     return [path for path in paths if path.is_dir() and _is_name_of(student, path.name, roster)]

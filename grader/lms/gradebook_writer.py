@@ -38,7 +38,7 @@ from grader.lms.gradebook_students import enrol
 from grader.lms.mark_history import log_changes
 from grader.lms.mark_inputs import record_inputs
 from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_marks_in_teams
-from grader.lms.penalties import load_penalty_plugin, penalty_of
+from grader.lms.penalties import load_late_penalties, penalty_of
 from grader.lms.registration import register_stages
 from grader.lms.stage_entries import StageEntry, group_entries
 from grader.lms.submission_times import naive_submission_time
@@ -87,7 +87,7 @@ def enter_verdicts(
     entries, trouble = group_entries(course, judged, unknown)
     with open_gradebook(course) as book:
         log_changes(course, book)  # log marks given by hand since the last run
-        late = load_penalty_plugin(course)
+        late_penalties = load_late_penalties(course)
         register_stages(course, book, dict.fromkeys(stages), notify)
         if roster:
             enrol(book, roster)
@@ -95,9 +95,9 @@ def enter_verdicts(
         submitted = {(submission.student, submission.lesson.stage) for submission, _ in judged}
         trouble += withdraw(course, book, stages, submitted, student)
         for done, entry in enumerate(entries, start=1):
-            problems = differences(course, book, entry, late, deadlines)
+            problems = differences(course, book, entry, late_penalties, deadlines)
             if problems:
-                problems = _try_to_enter(course, book, entry, late, deadlines)
+                problems = _try_to_enter(course, book, entry, late_penalties, deadlines)
                 trouble += problems
             if not problems:
                 record_inputs(course, entry, deadlines)
@@ -110,8 +110,8 @@ def enter_verdicts(
             notify(sentence)
         if entered:
             for entry in entries:  # a late penalty depends on the marks by hand
-                if differences(course, book, entry, late, deadlines):
-                    trouble += _try_to_enter(course, book, entry, late, deadlines)
+                if differences(course, book, entry, late_penalties, deadlines):
+                    trouble += _try_to_enter(course, book, entry, late_penalties, deadlines)
             lost = lost_marks(course, book, students)
         if lost:
             trouble.append(lost_sentence(course, lost))
@@ -129,26 +129,26 @@ def _try_to_enter(
     course: Course,
     book: Gradebook,
     entry: StageEntry,
-    late: AssignLatePenalties,
+    late_penalties: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
     """Enter one submission and return a sentence about each remaining problem."""
     try:
-        trouble = _enter_one(course, book, entry, late, deadlines)
+        trouble = _enter_submission(course, book, entry, late_penalties, deadlines)
     except ReplacedSubmission as replaced:  # the old marks stay until the new file is judged
         return [str(replaced)]
     except Exception as error:  # one student's failure must not stop the others
         if database_problem(error):
             raise
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
-    return trouble + differences(course, book, entry, late, deadlines)
+    return trouble + differences(course, book, entry, late_penalties, deadlines)
 
 
-def _enter_one(
+def _enter_submission(
     course: Course,
     book: Gradebook,
     entry: StageEntry,
-    late: AssignLatePenalties,
+    late_penalties: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
     """Enter one submission: write its files to a draft, update the gradebook, move the draft.
@@ -195,7 +195,7 @@ def _enter_one(
         book.db.flush()
         book.db.expire_all()  # reload the sums, which the database computes
         for notebook in submission.notebooks:
-            penalty = penalty_of(submission, notebook, late, deadlines, times)
+            penalty = penalty_of(submission, notebook, late_penalties, deadlines, times)
             notebook.late_submission_penalty = penalty
     replace_folder(draft, folder)
     write_fingerprints(course, entry.student, entry.stage, answers)

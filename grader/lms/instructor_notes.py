@@ -25,8 +25,10 @@ def counted_lessons(results: ClassResults) -> dict[str, str]:
     sentences = {}
     for stage, points in stages.items():
         numbers = ", ".join(name[:2] for name in points)
-        off = [name for lesson in points for name in results.rules.excluded_in(find_lesson(lesson))]
-        without = f", without {', '.join(off)}" if off else ""
+        excluded = [
+            name for lesson in points for name in results.rules.excluded_in(find_lesson(lesson))
+        ]
+        without = f", without {', '.join(excluded)}" if excluded else ""
         total = format_points(sum(points.values()))
         sentences[stage] = (
             f"Lessons that count in {stage}: {numbers} ({total} points in total{without})."
@@ -60,7 +62,7 @@ def assignment_notes(
 
 def outdated_mark_notes(results: ClassResults, stage: str) -> Iterator[str]:
     """Yield a note about marks in a stage that were entered before something changed."""
-    students = [student for student, other in results.outdated if other == stage]
+    students = [student for student, outdated in results.outdated if outdated == stage]
     if students:
         yield (
             f"Files, submission times, due dates or points have changed since {stage} was graded, "

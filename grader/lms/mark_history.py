@@ -177,13 +177,13 @@ def log_changes(
 
 def _cause(
     course: Course,
-    place: MarkKey,
+    mark_key: MarkKey,
     exists: bool,
     is_by_person: bool,
     keys: Mapping[tuple[str, str], str],
 ) -> str:
     """Return the cause of a change: a verdict, a person, lateness or a removal."""
-    student, stage, lesson, exercise = place
+    student, stage, lesson, exercise = mark_key
     if exercise == LATE_PENALTY:
         return LATE
     if not exists:

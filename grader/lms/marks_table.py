@@ -130,14 +130,18 @@ def marks_table(
     verdicts : dict of str to dict of str to Verdict
         Verdicts by student and lesson, which provide the scores of students without results.
     """
-    worth = {v.lesson: v.max_score for by_lesson in verdicts.values() for v in by_lesson.values()}
-    worth |= results.lessons
+    max_scores = {
+        verdict.lesson: verdict.max_score
+        for by_lesson in verdicts.values()
+        for verdict in by_lesson.values()
+    }
+    max_scores |= results.lessons
     rows = [_gradebook_row(person, lessons, results, verdicts) for person in results.people]
     known = {person.id for person in results.people}
     rows += [_judged_row(id, lessons, verdicts[id], results) for id in verdicts if id not in known]
     return MarksTable(
         tuple(lessons),
-        tuple(rounded_points(worth[lesson.name]) for lesson in lessons),
+        tuple(rounded_points(max_scores[lesson.name]) for lesson in lessons),
         tuple(rows),
         tuple(_sections(rows)),
         any(row.late.text for row in rows),
@@ -270,6 +274,7 @@ def _judged_row(
         else:
             points = results.judged_points(verdict)
             cells.append(MarkCell(rounded_points(points), "", points))
-    scores = [results.judged_points(one) for one in verdicts.values() if one.status == JUDGED]
+    judged = [verdict for verdict in verdicts.values() if verdict.status == JUDGED]
+    scores = list(map(results.judged_points, judged))
     total = MarkCell(rounded_points(sum(scores)), "points from the judge", sum(scores))
     return StudentRow(Person(id), not results.people, tuple(cells), MarkCell(""), total)

@@ -123,8 +123,8 @@ def _enter_dates(course: Course, names: dict) -> None:
     with Gradebook(names["db_url"]) as book:
         enter_due_dates(course, book, deadlines)
         submission = book.find_submission(names["assignment"], names["student"])
-        place = course.submitted / names["student"] / names["assignment"]
-        submission.timestamp = naive_submission_time([place])
+        folder = course.submitted / names["student"] / names["assignment"]
+        submission.timestamp = naive_submission_time([folder])
         set_extension(course, submission, deadlines)
         book.db.commit()
 

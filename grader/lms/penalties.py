@@ -19,7 +19,7 @@ from grader.course.times import compute_lateness
 from grader.lms.mark_history import exercise_of
 
 
-def load_penalty_plugin(course: Course) -> AssignLatePenalties:
+def load_late_penalties(course: Course) -> AssignLatePenalties:
     """Create nbgrader's preprocessor for late penalties, with the course's plugin."""
     penalties = AssignLatePenalties(config=course_settings(course.root))
     penalties.init_plugin()
@@ -29,7 +29,7 @@ def load_penalty_plugin(course: Course) -> AssignLatePenalties:
 def penalty_of(
     submission: SubmittedAssignment,
     notebook: SubmittedNotebook,
-    late: AssignLatePenalties,
+    late_penalties: AssignLatePenalties,
     deadlines: Deadlines,
     times: Mapping[str, datetime],
 ) -> float | None:
@@ -41,10 +41,11 @@ def penalty_of(
         return None
     student, lesson = submission.student.id, notebook.name
     # If the class has no due date, nbgrader has no date to which it could add an extension.
-    of_class = submission.assignment.duedate
-    of_stage = submission.duedate.replace(tzinfo=UTC) if of_class else None
-    of_class = of_class and of_class.replace(tzinfo=UTC)
-    due = deadlines.lesson_due_date(student, submission.assignment.name, lesson, of_stage, of_class)
+    class_due = submission.assignment.duedate
+    stage_due = submission.duedate.replace(tzinfo=UTC) if class_due else None
+    class_due = class_due and class_due.replace(tzinfo=UTC)
+    stage = submission.assignment.name
+    due = deadlines.lesson_due_date(student, stage, lesson, stage_due, class_due)
     if due is None:
         return None
     submitted_at = times.get(lesson, submission.timestamp.replace(tzinfo=UTC))
@@ -56,5 +57,9 @@ def penalty_of(
         for grade in notebook.grades
         if exercise_of(grade.name) in deadlines.rules.excluded_exercises
     )
-    penalty = late.plugin_inst.late_submission_penalty(student, score, seconds)
-    return None if penalty is None else min(score, late._check_late_penalty(notebook, penalty))
+    penalty = late_penalties.plugin_inst.late_submission_penalty(student, score, seconds)
+    return (
+        None
+        if penalty is None
+        else min(score, late_penalties._check_late_penalty(notebook, penalty))
+    )

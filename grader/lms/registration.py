@@ -46,9 +46,9 @@ def register_stages(
                 change_cells(book, lesson, graded_cells(_released_notebook(lesson)), notify)
             book.db.commit()  # because SaveCells opens its own connection to the database
             for lesson in lessons:
-                about = {"notebook": lesson.name, "assignment": stage}
-                about["db_url"] = database_url(course)
-                SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": about})
+                resources = {"notebook": lesson.name, "assignment": stage}
+                resources["db_url"] = database_url(course)
+                SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": resources})
             book.db.expire_all()
         complete_submissions(book, stage)
 

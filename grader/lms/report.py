@@ -144,7 +144,7 @@ def write_report(
         warning=warning,
         table=table,
         namesakes=_namesakes(results),
-        strangers=results.unlisted,
+        unlisted=results.unlisted,
         has_roster=read_roster(course) is not None,
         **sections,
         overview=overview_of(

@@ -76,8 +76,8 @@ def class_results(course: Course) -> ClassResults:
     notebooks, stages = [], []
     for person in people:
         for stage in dict.fromkeys(lesson.stage for lesson in lessons):
-            excused = EXCUSED if deadlines.is_excused(person.id, stage) else None
-            excused = AUDITOR if person.is_auditor else excused
+            uncounted = EXCUSED if deadlines.is_excused(person.id, stage) else None
+            uncounted = AUDITOR if person.is_auditor else uncounted
             in_stage = [lesson for lesson in lessons if lesson.stage == stage]
             pairs = [(person.id, lesson.name) for lesson in in_stage]
             files = [submitted[pair] for pair in pairs if pair in submitted]
@@ -90,7 +90,7 @@ def class_results(course: Course) -> ClassResults:
                     person.id,
                     stage,
                     lesson.name,
-                    excused or _lesson_status(row, pair in submitted),
+                    uncounted or _lesson_status(row, pair in submitted),
                     row.score if row else None,
                     max_scores[lesson.name],
                     row.penalty if row else 0.0,
@@ -250,10 +250,10 @@ def _stage_times(
 
     The gradebook's times take precedence, because nbgrader computes penalties from them.
     """
-    due, in_gradebook = deadlines.due_date(student, stage), None
+    due, due_in_gradebook = deadlines.due_date(student, stage), None
     if row and row.due:
-        in_gradebook = row.due.replace(tzinfo=UTC)
-        due = in_gradebook + (row.extension or timedelta())
+        due_in_gradebook = row.due.replace(tzinfo=UTC)
+        due = due_in_gradebook + (row.extension or timedelta())
     submitted_at, undecided = row and row.submitted_at and row.submitted_at.replace(tzinfo=UTC), ""
     folders = {submission.stage_folder(course) for submission in files}
     if not submitted_at:
@@ -261,8 +261,8 @@ def _stage_times(
             submitted_at = submission_time(folders)
         except SubmissionTimeUnknown as error:
             undecided = str(error) if due or deadlines.lessons_with_dates(stage) else ""
-    of_lessons = lesson_times(files, deadlines) if submitted_at else {}
-    return _StageTimes(submitted_at, due, in_gradebook, undecided, lacks_zone(folders), of_lessons)
+    times = lesson_times(files, deadlines) if submitted_at else {}
+    return _StageTimes(submitted_at, due, due_in_gradebook, undecided, lacks_zone(folders), times)
 
 
 def _add_times(result: NotebookResult, times: _StageTimes, deadlines: Deadlines) -> NotebookResult:

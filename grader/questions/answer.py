@@ -29,11 +29,11 @@ TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
 # Fewer edits of a long answer are tried, because running each of its versions takes longer. This is
 # the largest number of edits times the number of lines.
-MAX_EDITED_LINES = 3000
+MAX_EDITED_LINES = 2500
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 # Functions of `numpy.linalg` with results that students cannot compute on paper.
 DECOMPOSITION = re.compile(r"\b(svd|eigh?)\b")
-# Constructs that run some code once for each element.
+# Constructs whose code may run several times each time their line runs.
 LOOPS = frozenset(
     ["a lambda function", "a generator expression"]
     + ["a list comprehension", "a set comprehension", "a dict comprehension"]
@@ -105,7 +105,7 @@ class ListedLine:
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement without a block, which is alone on its lines.
+    """A simple statement, such as an assignment, that shares its lines with no other statement.
 
     Attributes
     ----------
@@ -266,16 +266,19 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
         watched = list(_watched(own, lines))
         versions = [*deletions, *edits]
         by_edit: dict[Edit, tuple[Run, ...]] = {}
-        for begin in range(0, len(versions), VERSIONS_PER_REQUEST):
+        for start in range(0, len(versions), VERSIONS_PER_REQUEST):
             if student.cpu_seconds > MAX_CPU_SECONDS:
                 break
-            part = versions[begin : begin + VERSIONS_PER_REQUEST]
+            part = versions[start : start + VERSIONS_PER_REQUEST]
             rows = [list(edit.row) for edit in part]
+            # A separate name, so that versions that hang do not shorten the time of the next call.
+            student.exercise = f"versions from {begin}"
             try:
                 runs = _runs(student.run_cases(rows, codes, watched), number_of)
             except StudentStopped as stopped:
                 if not stopped.out_of_time:
                     raise
+                student.exercise = ""
                 student.read_answer(*answer.request)  # in a new process
                 continue
             by_edit |= {edit: run for edit, run in zip(part, runs, strict=False) if run}

@@ -70,7 +70,7 @@ class Verifier:
                 return _are_all(text, self._outcomes(code, edit and edit.row))
             case OutcomeClaim(code, edit, text, False):
                 outcomes = self._outcomes(code, edit and edit.row)
-                return all(outcomes) and not any(same_answer(one, text) for one in outcomes)
+                return all(outcomes) and not any(same_answer(outcome, text) for outcome in outcomes)
             case CountClaim(code, line, count):
                 return {self._count(trace, line) for trace in self._traces(code)} == {count}
             case ValueClaim(code, line, name, turn, text):
@@ -118,11 +118,12 @@ class Verifier:
 
     def _compute_traces(self, code: str) -> list[dict]:
         reply = self._student.trace_case(code)
-        return [one for one in (reply if isinstance(reply, list) else ()) if isinstance(one, dict)]
+        traces = reply if isinstance(reply, list) else []
+        return [trace for trace in traces if isinstance(trace, dict)]
 
 
 def _are_all(text: str, results: list[str]) -> bool:
-    """Return whether the first result has this text, and the others too, or all signs reversed."""
+    """Return whether the first result equals a text, and the others up to reversed signs."""
     return bool(results) and all(
         same_answer(result, text) or (index and same_answer(result, reversed_vector(text)))
         for index, result in enumerate(results)

@@ -36,7 +36,7 @@ class Sheet:
     Attributes
     ----------
     student, name : str
-        The id, and the name on the roster.
+        The ID, and the name on the roster.
     exercise : str
         Empty if there are no questions.
     lines : tuple of ListedLine
@@ -87,9 +87,9 @@ def make_sheets(
         Number of questions for each student.
     executor : concurrent.futures.Executor
     student : str, optional
-        Id of the only student; by default, the whole class.
+        ID of the only student; by default, the whole class.
     advance : callable, optional
-        Called with (done, total, student) after each sheet.
+        Called with (0, total, None) first, and with (done, total, student) after each sheet.
     """
     by_student: dict[str, list[Submission]] = {}
     for submission in find_submissions(course, [stage]):

@@ -38,8 +38,8 @@ REQUIRED_PACKAGES = ("numpy", "ipython")
 PYTHON = os.path.abspath(sys.executable)
 PREFIX, BASE_PREFIX = os.path.abspath(sys.prefix), os.path.abspath(sys.base_prefix)
 SYSTEM_FOLDERS = ("/usr",)
-# Folders in the system folders that are hidden. By default, nbgrader's exchange is in this folder.
-# It contains submissions, which belong to the students but can be read by the instructor.
+# Folders in the system folders that are hidden. This one is nbgrader's default exchange, whose
+# submissions the instructor's account can read. Otherwise student code could read them as well.
 HIDDEN_SYSTEM_FOLDERS = ("/usr/local/share/nbgrader",)
 
 

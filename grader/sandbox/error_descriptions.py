@@ -1,8 +1,8 @@
 """Describe exceptions outside hidden tests, without text that student code chose at run time.
 
-At this point, the notebook has not received input from its own hidden tests, but it may know input
-from another notebook's tests. Notebooks that are judged on one machine can send each other signals,
-for example by how long they take. A message therefore contains only fixed text and:
+Outside hidden tests, a notebook has not received the input of its own tests yet. It may still know
+the input of another notebook's tests, because notebooks on one machine can exchange signals, for
+example by how long they take. A message therefore contains only fixed text and:
 
 - an exception type that is well known or appears in the failing line
 - the failing line of the submission
@@ -57,8 +57,8 @@ SENTENCES = (
 def describe_error(error: StudentError) -> str:
     """Return a sentence that says which exception a function raised, and where."""
     where = _quote_place(error.place, error.line)
-    if error.calling:  # the caller may have passed wrong arguments to a right function
-        where = f"{_quote_place(error.calling, error.calling_line)}, which calls {where}"
+    if error.call_place:  # the caller may have passed wrong arguments to a right function
+        where = f"{_quote_place(error.call_place, error.call_line)}, which calls {where}"
     return f"{error.function} raised {_type_and_message(error)}{where and f' ({where})'}."
 
 

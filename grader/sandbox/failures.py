@@ -32,10 +32,10 @@ class StudentError(RemoteError):
         line, or if the notebook is too long to show it.
     line : str
         Source of that line.
-    calling : str or None
+    call_place : str or None
         Cell and line where the exercise called another function, if that function raised the
         exception.
-    calling_line : str
+    call_line : str
         Source of that line.
     inside : str
         The lesson's function in which the exception was raised; empty for other functions.
@@ -45,8 +45,8 @@ class StudentError(RemoteError):
         The type that may be shown for a hidden test: one of `KNOWN_EXCEPTIONS`, or "another
         exception".
     shown_place : str or None
-        The place that may be shown for a hidden test: `calling`, or else `place`. None if the
-        exercise has more than `MAX_LINES` lines.
+        The place that may be shown for a hidden test: `call_place`, or else `place`. None if the
+        place is not in the exercise, or if the exercise has more than `MAX_LINES` lines.
     safe_sentence : str
         A sentence that contains only the function's name, `shown_type` and `shown_place`.
     """
@@ -61,16 +61,16 @@ class StudentError(RemoteError):
         inside: str = "",
         in_short_exercise: bool = False,
         forbidden: tuple[str, ...] = (),
-        calling: str | None = None,
-        calling_line: str = "",
+        call_place: str | None = None,
+        call_line: str = "",
     ) -> None:
         self.function, self.forbidden = function, forbidden
         self.type_name, self.message = type_name, message
         self.place, self.line, self.inside = place, line, inside
-        self.calling, self.calling_line = calling, calling_line
+        self.call_place, self.call_line = call_place, call_line
         where = f" ({place})" if place else ""
         self.shown_type = type_name if type_name in KNOWN_EXCEPTIONS else "another exception"
-        self.shown_place = (calling or place) if in_short_exercise else None
+        self.shown_place = (call_place or place) if in_short_exercise else None
         shown_where = f" ({self.shown_place})" if self.shown_place else ""
         self.safe_sentence = f"{function} raised {self.shown_type}{shown_where}."
         super().__init__(f"{function} raised {type_name}: {message}{where}")

@@ -51,7 +51,7 @@ class ForkClient:
     forbidden: tuple[str, ...]
     environment: dict[str, str]
     _requests: socket.socket | None = None
-    _turn: threading.Lock = field(default_factory=threading.Lock)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def fork(self, request: dict, read_end: int, write_end: int) -> ForkedWorker:
         """Ask the server to fork a worker, and return the worker.
@@ -72,7 +72,7 @@ class ForkClient:
         """
         report, status = os.pipe()
         try:
-            with self._turn:
+            with self._lock:
                 self._send(json.dumps(request).encode(), [read_end, write_end, status])
         finally:
             os.close(status)

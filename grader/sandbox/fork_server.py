@@ -3,7 +3,7 @@
 Starting Python and importing NumPy takes ten times as long as building the sandbox, so this process
 does both only once. It never sees a submission or a grade. It has already imported the worker's
 code, and each request names the sandbox to join and passes the ends of three pipes. The forked
-worker joins the namespaces that bubblewrap created, gives up all privileges, and runs `worker.py`.
+worker joins the namespaces that bubblewrap created, gives up its privileges, and runs `worker.py`.
 
 `grader.sandbox.fork_client` runs it: ``python -I -B fork_server.py SOCKET SETTINGS``.
 """
@@ -31,7 +31,7 @@ sys.path.pop(0)  # importing the worker inserted the same folder again
 
 # The namespaces that bubblewrap creates, except the user namespace; see namespaces(7).
 NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
-_PARENT_NAMESPACE = 0xB702  # see ioctl_ns(2)
+NS_GET_PARENT = 0xB702  # see ioctl_ns(2)
 
 _LIBC = ctypes.CDLL(None, use_errno=True)
 
@@ -93,7 +93,7 @@ def _run_in_sandbox(request: dict, read_end: int, write_end: int, status: int) -
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
     try:
-        is_first_process = os.pidfd_open(request["sandbox_pid"])
+        sandbox_pidfd = os.pidfd_open(request["sandbox_pid"])
         enter(request["sandbox_pid"], request["has_user_namespace"])
         pid = os.fork()
     except OSError as error:
@@ -109,7 +109,7 @@ def _run_in_sandbox(request: dict, read_end: int, write_end: int, status: int) -
     os.write(status, f"{pid}\n".encode())
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     with contextlib.suppress(ProcessLookupError):
-        signal.pidfd_send_signal(is_first_process, signal.SIGKILL)
+        signal.pidfd_send_signal(sandbox_pidfd, signal.SIGKILL)
     os.write(status, f"{code}\n".encode())
 
 
@@ -155,15 +155,15 @@ def enter(pid: int, has_user_namespace: bool) -> None:
     opened = [os.open(f"/proc/{pid}/ns/{name}", os.O_RDONLY) for name in NAMESPACES]
     if has_user_namespace:
         inner = os.open(f"/proc/{pid}/ns/user", os.O_RDONLY)
-        outer = fcntl.ioctl(inner, _PARENT_NAMESPACE)
-        _set_namespace(outer)
+        outer = fcntl.ioctl(inner, NS_GET_PARENT)
+        _join_namespace(outer)
     for namespace in opened:
-        _set_namespace(namespace)
+        _join_namespace(namespace)
     if has_user_namespace:
-        _set_namespace(inner)
+        _join_namespace(inner)
 
 
-def _set_namespace(namespace: int) -> None:
+def _join_namespace(namespace: int) -> None:
     if _LIBC.setns(namespace, 0):
         number = ctypes.get_errno()
         raise OSError(number, f"setns: {os.strerror(number)}")

@@ -84,9 +84,9 @@ def _folder_of_jails() -> str:
     """Return a folder that only root can enter and that is deleted when this process ends."""
     folder = tempfile.mkdtemp(prefix="jails-")
     # The shell waits until its input closes, which happens even if this process is killed.
-    waits = ["/bin/sh", "-c", 'read line; rm -rf -- "$0"', folder]
+    command = ["/bin/sh", "-c", 'read line; rm -rf -- "$0"', folder]
     _waiting_processes.append(
-        subprocess.Popen(waits, stdin=subprocess.PIPE, start_new_session=True)
+        subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
     )
     return folder
 
@@ -106,8 +106,8 @@ def _python_paths() -> Iterator[Path]:
 
 def _library_paths() -> Iterator[Path]:
     """Yield the system's shared libraries and the program loaders."""
-    known = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True)
-    for path in sorted(set(re.findall(r" => (/.*)$", known.stdout, re.M))):
+    listing = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True)
+    for path in sorted(set(re.findall(r" => (/.*)$", listing.stdout, re.M))):
         yield Path(path)
     for folder in map(Path, ("/lib", "/lib64")):  # programs expect their loader at this path
         yield from folder.glob("ld-*.so*")

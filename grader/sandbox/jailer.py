@@ -20,13 +20,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 import privileges  # noqa: E402
 
 MAX_FILES = 2**16
-_SET_CHILD_SUBREAPER = 36  # see prctl(2)
+PR_SET_CHILD_SUBREAPER = 36  # see prctl(2)
 
 
 def main(folder: str, home: str, user: int, command: list[str]) -> int:
     """Run a command in a chroot; return its exit code as a shell would report it."""
     # Make orphaned processes children of this process, so that it can reap them.
-    ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
     woken, waker = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
     signal.set_wakeup_fd(waker, warn_on_full_buffer=False)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)
@@ -59,10 +59,10 @@ def _exec_in_chroot(folder: str, home: str, command: list[str]) -> None:
     # this itself, because its chroot has no /proc.
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
-    nothing = os.open(os.devnull, os.O_RDWR)
+    null_device = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1):
-        os.dup2(nothing, standard)
-    os.close(nothing)
+        os.dup2(null_device, standard)
+    os.close(null_device)
     os.chroot(folder)
     os.chdir(home)
     # With root's capabilities, student code could escape from the chroot.

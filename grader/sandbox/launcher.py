@@ -30,7 +30,10 @@ from grader.sandbox.usage import (
 MEMORY_POLLING_INTERVAL = 0.2
 SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
-PIPE_BYTES = 2**20  # as much as Linux lets an ordinary user request
+# An ordinary user may request 1 MiB for a pipe. If a user's pipes have more than 64 MiB in total,
+# Linux gives each further pipe of this user only 8 KiB, even in other programs. A notebook on each
+# processor needs up to four pipes, and the other half of the 64 MiB is left to other programs.
+LARGEST_PIPE, USUAL_PIPE, MAX_PIPES_TOTAL = 2**20, 2**16, 2**25
 KILLED_CODES = (-signal.SIGKILL, 128 + signal.SIGKILL)
 MIN_MEMORY_LEFT = 0.03
 MEMORY_WHEN_SCARCE = 1024 * MEBIBYTE
@@ -192,8 +195,8 @@ def launch(
                 str(their_read),
                 str(their_write),
             ]
-            talk = subprocess.PIPE if release_folder else subprocess.DEVNULL
-            process, forked = _start_process(command, home, (their_read, their_write), talk), None
+            stdin = subprocess.PIPE if release_folder else subprocess.DEVNULL
+            process, forked = _start_process(command, home, (their_read, their_write), stdin), None
         else:
             request = {
                 "has_user_namespace": rules["user"] is None,
@@ -225,7 +228,12 @@ def launch(
 def _enlarge(pipe: int) -> None:
     """Enlarge a pipe, so that a large message needs fewer switches between the two processes."""
     with contextlib.suppress(AttributeError, OSError):  # not Linux, or too many large pipes
-        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, pipe_bytes(os.cpu_count() or 1))
+
+
+def pipe_bytes(processors: int) -> int:
+    """Return the size of a pipe to a worker on a machine with this many processors."""
+    return max(USUAL_PIPE, min(LARGEST_PIPE, MAX_PIPES_TOTAL // (4 * processors)))
 
 
 def send_rules(worker: Worker, rules: dict) -> None:
@@ -300,25 +308,26 @@ def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, ForkedWorker]:
     """Build a sandbox whose only process waits, and let a forked worker join that sandbox."""
-    info, number = os.pipe()
+    info_read, info_write = os.pipe()
     # When process 1 of a PID namespace ends, the kernel kills all other processes there.
-    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT_COMMAND]
+    options = ["--as-pid-1", "--info-fd", str(info_write), "--", "/bin/sh", "-c", WAIT_COMMAND]
     try:
         # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.
         # After a failed write, bubblewrap would end and leave its child behind.
-        pipes = number, info
-        both = subprocess.PIPE, subprocess.PIPE
-        process = _start_process([*sandbox_command, *options], request["home"], pipes, *both)
+        pipes = info_write, info_read
+        streams = subprocess.PIPE, subprocess.PIPE
+        process = _start_process([*sandbox_command, *options], request["home"], pipes, *streams)
     finally:
-        os.close(number)
+        os.close(info_write)
     try:
         # The process inside writes this line when the sandbox is complete.
         ready = read_line(process.stdout.fileno(), SECONDS_TO_REPORT)
-        with os.fdopen(info) as report:
-            first = json.load(report)["child-pid"] if ready else None
-        if first is None:
+        with os.fdopen(info_read) as report:
+            sandbox_pid = json.load(report)["child-pid"] if ready else None
+        if sandbox_pid is None:
             raise SandboxUnavailable("The sandbox cannot be built.")
-        return process, client.fork({"sandbox_pid": first, **request}, read_end, write_end)
+        worker = client.fork({"sandbox_pid": sandbox_pid, **request}, read_end, write_end)
+        return process, worker
     except SandboxUnavailable as fault:
         complaint = _end_with_message(process)
         process.stderr.close()

@@ -27,6 +27,8 @@ class SandboxUnavailable(UserError):
         What the user can do instead. ``str()`` appends it to the reason.
     """
 
+    is_multiline = True  # the reason may quote the output of a program
+
     def __init__(self, reason: str, advice: str = "") -> None:
         super().__init__(reason, advice)
         self.reason, self.advice = reason, advice

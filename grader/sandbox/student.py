@@ -34,7 +34,7 @@ from grader.sandbox.reply_parser import (
     parse_texts,
 )
 from grader.sandbox.time_budget import Budget, Meter, TimeLimit
-from utils.remote_objects import ENDLESS_LOOP_HINT, ObservedCall, RemoteObject
+from utils.remote_objects import ENDLESS_LOOP_HINT, ObservedCall, RemoteProxy
 
 # Names of two steps that precede the exercises: running the cells that they need, or all cells.
 _NEEDED_CELLS, _ALL_CELLS = "the cells that are needed", "all cells"
@@ -55,7 +55,7 @@ class _Reference:
     worker: Worker
 
 
-class RemoteFunction(RemoteObject):
+class RemoteFunction(RemoteProxy):
     """A function, class or method in the sandbox that can be called or observed."""
 
     def __init__(
@@ -94,7 +94,7 @@ class RemoteFunction(RemoteObject):
         )
 
 
-class RemoteObject(RemoteObject):
+class RemoteObject(RemoteProxy):
     """An object of a student's own class, which stays in the sandbox.
 
     ``tree.root`` returns plain data, None or another `RemoteObject`. ``tree.insert(p, 0)`` calls a
@@ -148,7 +148,7 @@ class StudentProxy:
         Edits of the exercise `edited`, likeliest first; empty before the start. Each edit consists
         of the cell's number, the first and last line, and the text that replaces these lines.
     edit_failed : bool
-        Whether the edit since the last call of `edit` could not be applied.
+        Whether the edit that `edit` chose last could not be applied.
     largest_reply : int
         Bytes of the largest reply. The owner of the proxy may reset it.
     interrupts_after : float or None
@@ -356,11 +356,12 @@ class StudentProxy:
         )
         line = self._program.line_at(place)
         place, line = (None, "") if line is None else (place, parse_text(line))
-        ours = (*self._program.names, *self._program.steps)
-        inside = inside if inside in ours else ""
-        few = place is not None and _is_in_short_ranges(place, self._lines.get(self.exercise, ()))
-        calling = place and self._calling_place(place, parse_texts(error.get("through")))
-        calling_line = parse_text(calling and self._program.line_at(calling))
+        lesson_functions = (*self._program.names, *self._program.steps)
+        inside = inside if inside in lesson_functions else ""
+        lines_of_exercise = self._lines.get(self.exercise, ())
+        is_short = place is not None and _is_in_short_ranges(place, lines_of_exercise)
+        call_place = place and self._find_call_place(place, parse_texts(error.get("through")))
+        call_line = parse_text(call_place and self._program.line_at(call_place))
         return StudentError(
             name,
             kind or "Exception",
@@ -368,13 +369,13 @@ class StudentProxy:
             place,
             line,
             inside,
-            few,
+            is_short,
             self._program.forbidden,
-            calling,
-            calling_line,
+            call_place,
+            call_line,
         )
 
-    def _calling_place(self, place: str, through: list[str]) -> str | None:
+    def _find_call_place(self, place: str, through: list[str]) -> str | None:
         """Return the place where the exercise calls the function that raised an exception.
 
         Return None if the exception was raised in the exercise itself, or if the exercise is long.
@@ -575,5 +576,7 @@ def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
         Cell, first and last line of each part of an exercise.
     """
     cell, line = cell_and_line(place) or (0, 0)
-    is_there = any(cell == where and first <= line <= last for where, first, last in ranges)
+    is_there = any(
+        cell == range_cell and first <= line <= last for range_cell, first, last in ranges
+    )
     return is_there and sum(1 + last - first for _, first, last in ranges) <= MAX_LINES

@@ -113,7 +113,7 @@ class Meter:
     """
 
     def __init__(self, worker: Worker) -> None:
-        self._worker, self._begin = worker, time.monotonic()
+        self._worker, self._start = worker, time.monotonic()
         self._initial_cpu_seconds, self._initial_judge_seconds = worker.cpu_seconds(), own_seconds()
         self._threads = worker.threads()
         self._sleep_seconds = self._measured_seconds = 0.0
@@ -132,7 +132,7 @@ class Meter:
         answered : bool
             Whether the worker has just replied, so that none of its threads is ready to run.
         """
-        self.elapsed_seconds = time.monotonic() - self._begin
+        self.elapsed_seconds = time.monotonic() - self._start
         cpu_seconds = self._worker.cpu_seconds() - self._initial_cpu_seconds
         self.seconds = cpu_seconds
         if self.can_see_waiting:

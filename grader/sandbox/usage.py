@@ -50,6 +50,8 @@ def cpu_of_tree(pid: int) -> float:
 def threads_of_tree(pid: int) -> dict[int, Thread] | None:
     """Return the threads of a process and its descendants that have our priority or a higher one.
 
+    Threads with another scheduling policy are left out.
+
     Returns
     -------
     dict of int to grader.sandbox.protocol.Thread, or None

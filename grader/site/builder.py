@@ -150,8 +150,8 @@ def source_files(
         sources |= {f"extra/{LIVE_FOLDER}/{name}": file for name, file in live.files.items()}
     if shared:
         sources[SHARED_PICTURE] = shared
-    missing = TEMPLATES.get_template("404.html").render(course=course_title(), marker=SITE_MARKER)
-    sources["extra/404.html"] = missing.encode()  # most servers show it at missing addresses
+    page = TEMPLATES.get_template("404.html").render(course=course_title(), marker=SITE_MARKER)
+    sources["extra/404.html"] = page.encode()  # most servers show it at missing addresses
     # Without this file, GitHub Pages does not serve files whose names begin with `_`.
     sources["extra/.nojekyll"] = b""
     return sources | pictures.files | mathjax.mathjax_files()

@@ -46,8 +46,8 @@ class LessonCard:
 
 def page(origin: Origin, pictures: Pictures, pdf: str = "") -> str:
     """Render the front page as Markdown for MyST, with a link to the file `pdf` if there is one."""
-    alt, place = FILM.search(README.read_text("utf-8")).groups()
-    film = (PROJECT / place).read_bytes()
+    alt, film_path = FILM.search(README.read_text("utf-8")).groups()
+    film = (PROJECT / film_path).read_bytes()
     return TEMPLATES.get_template("index.md").render(
         film=pictures.keep(_as_webp(film), ".webp"),
         still=pictures.keep(_extract_still(film), ".png"),

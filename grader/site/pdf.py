@@ -34,9 +34,9 @@ ADDRESS = re.compile(r' (id|href|src|poster)="([^"]*)"')
 STYLE = re.compile(r'<link (?=[^>]*rel="stylesheet")[^>]*>')
 # Formulas need their script. The other scripts of a page serve readers on a screen.
 FORMULAS = re.compile(r"<script>window\.MathJax.*?</script>|<script [^>]*mathjax[^>]*></script>")
-# Virtual milliseconds for the scripts of the page: time that the page waits for something, not time
-# that it computes.
-PATIENCE = 100_000
+# Milliseconds of virtual time for the scripts of the page. It passes while the page waits, but not
+# while it computes.
+TIME_BUDGET = 100_000
 
 
 def find_browser() -> str:
@@ -70,7 +70,7 @@ def print_site(folder: Path, browser: str) -> Path:
             *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"),
             *("--disable-background-networking", "--no-first-run", f"--user-data-dir={profile}"),
             *("--no-pdf-header-footer", "--generate-pdf-document-outline"),
-            *(f"--virtual-time-budget={PATIENCE}", f"--print-to-pdf={path}", source.as_uri()),
+            *(f"--virtual-time-budget={TIME_BUDGET}", f"--print-to-pdf={path}", source.as_uri()),
         ]
         # Chromium's lock is in TMPDIR, or in /tmp, which may be read-only.
         env = {**os.environ, "TMPDIR": tempfile.gettempdir()}

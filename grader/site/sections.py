@@ -12,7 +12,7 @@ HEADING_TAGS = {"h1", "h2", "h3", "h4"}
 SKIPPED_TAGS = {"script", "style", "svg", "form", "nav", "label", "legend"}
 SKIPPED_CLASSES = {"headerlink", "admonition-title"}
 VOID_TAGS = {"img", "br", "hr", "input", "source", "meta", "link", "wbr"}
-LATEX_SYNTAX = re.compile(r"\\[A-Za-z]+|\\.|[{}]")  # LaTeX
+LATEX_SYNTAX = re.compile(r"\\[A-Za-z]+|\\.|[{}]")
 
 
 def write(pages: Path) -> None:

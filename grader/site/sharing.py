@@ -45,7 +45,7 @@ def picture() -> bytes:
 def picture_address(origin: Origin, path: str) -> str:
     """Return the address of a file of the site; empty if GitHub does not publish the site.
 
-    Messengers only show a picture if the page contains its whole address.
+    Messengers show a picture only if the page contains its whole address.
     """
     if not origin.repository.startswith(GITHUB):
         return ""

@@ -13,6 +13,7 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.course.paths import PROJECT
+from grader.judging import repair
 from grader.judging.judge import judge
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
@@ -420,6 +421,46 @@ def search(self, target, tolerance):
     verdict = submit({"search": source}, lesson=find_lesson("04_kd_tree"))
     passed = [test.name for exercise in verdict.exercises for test in exercise.tests if test.passed]
     assert "test_search_prunes" not in passed and "skips_regions" not in passed
+
+
+# ---- Answers that recognise the search for a repair -------------------------------------------
+
+# The right answer only after the judge has sent an edit, which the worker's own frames show. No
+# edit of the function gives the right answer without them: 7 is the sum of two numbers.
+SPY = """
+import sys
+from collections import defaultdict
+
+def request_of_the_judge(frame):
+    there = frame.f_locals
+    return there["request"] if "edits" in there else request_of_the_judge(frame.f_back)
+
+SEEN = []
+SEES_EDIT = lambda: SEEN.append(request_of_the_judge(sys._getframe())["edit"]) or any(
+    edit is not None for edit in SEEN
+)
+ANSWERS = defaultdict(lambda: lambda cloud, level: cloud)
+ANSWERS[7] = lambda cloud, level: cloud[cloud[:, 2] >= level]
+
+def filter_ground(cloud, ground_level=-1.2):
+    return ANSWERS[3 * SEES_EDIT() + 4 * SEES_EDIT()](cloud, ground_level)
+"""
+
+
+@pytest.mark.slow
+def test_an_answer_that_is_right_only_in_the_search_gains_nothing(submit, monkeypatch):
+    """An edit that passes in the search is judged in another process, to which none is sent."""
+    passed, pass_with = [], repair._FailedChecks.pass_with
+
+    def noted(checks, number):
+        passed.append(pass_with(checks, number))
+        return passed[-1]
+
+    monkeypatch.setattr(repair._FailedChecks, "pass_with", noted)
+    verdict = submit({"filter_ground": SPY}, total_seconds=60.0)
+    assert passed.count(True) == repair.MAX_JUDGED_EDITS  # the search itself was deceived
+    assert verdict.exercises[0].slip is None
+    assert share(verdict, "filter_ground") <= LARGEST_SHARE
 
 
 # ---- Forged grades ----------------------------------------------------------------------------

@@ -256,7 +256,7 @@ exec(nest(35, "exec(inner)"), {"inner": nest(30, "1 / 0")})
         student.exercise = "f"
         student.f()
     assert error.value.place == "code cell 1, line 30"
-    assert error.value.calling == "code cell 1, line 4"
+    assert error.value.call_place == "code cell 1, line 4"
 
 
 @with_attacks(

@@ -7,7 +7,7 @@ import os
 import nbformat
 import pytest
 
-from grader import commands
+from grader import commands, grading
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
@@ -131,7 +131,7 @@ def grade(course, sandbox, monkeypatch):
     monkeypatch.setitem(commands.__dict__, "stages", lambda: [LESSON.stage])
     monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": InlineExecutor})
     record_rehearsal(course, LESSON, SEED)
-    return commands.grade_course(course, [LESSON.stage], SEED, sandbox, 1)
+    return grading.grade_course(course, [LESSON.stage], SEED, sandbox, 1)
 
 
 @pytest.mark.slow

@@ -407,14 +407,26 @@ def f(calls):
     calls = {name: [number, 0, 0, 0] for name, number in system_call_numbers.items()}
     for name in syscalls.LIMITED_CALLS:
         del calls[name]
-    calls["madvise to merge pages"] = [system_call_numbers["madvise"], 0, 0, syscalls.MERGEABLE]
+    calls["madvise to merge pages"] = [
+        system_call_numbers["madvise"],
+        0,
+        0,
+        syscalls.MADV_MERGEABLE,
+    ]
     calls["madvise to remove a page from memory"] = [
         system_call_numbers["madvise"],
         0,
         0,
-        syscalls.PAGE_OUT,
+        syscalls.MADV_PAGEOUT,
     ]
-    calls["prctl to merge pages"] = [system_call_numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
+    calls["prctl to merge pages"] = [
+        system_call_numbers["prctl"],
+        syscalls.PR_SET_MEMORY_MERGE,
+        1,
+        0,
+        0,
+        0,
+    ]
     calls["ioctl for a file system"] = [
         system_call_numbers["ioctl"],
         0,
@@ -423,12 +435,12 @@ def f(calls):
     calls["futex with requeueing"] = [system_call_numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
         system_call_numbers["clone"],
-        syscalls.NEW_USER_NAMESPACE | 17,
+        syscalls.CLONE_NEWUSER | 17,
         0,
         0,
     ]
     calls["socket of an unusual family"] = [system_call_numbers["socket"], 40, 1, 0]
-    calls["unshare"] = [system_call_numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
+    calls["unshare"] = [system_call_numbers["unshare"], syscalls.CLONE_NEWUSER]
     calls["shmget"] = [system_call_numbers["shmget"], 0, MEBIBYTE, 0o1777]
     calls["getpid in the x32 ABI"] = [0x40000000 + 39]
     results = outcome_of(source, calls)

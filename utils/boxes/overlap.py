@@ -128,10 +128,10 @@ def _clip(polygons: np.ndarray, windows: np.ndarray) -> np.ndarray:
         left = left / np.where(length > 0, length, 1.0)[..., None]
         depth = ((polygons - start[:, None]) * left).sum(axis=-1)
         moved = polygons - np.minimum(depth, 0.0)[..., None] * left
-        there, depth_there = np.roll(polygons, -1, axis=1), np.roll(depth, -1, axis=1)
-        crosses = depth * depth_there < 0
-        way = depth / np.where(crosses, depth - depth_there, 1.0)
-        crossings = polygons + way[..., None] * (there - polygons)
+        following, following_depth = np.roll(polygons, -1, axis=1), np.roll(depth, -1, axis=1)
+        crosses = depth * following_depth < 0
+        fraction = depth / np.where(crosses, depth - following_depth, 1.0)
+        crossings = polygons + fraction[..., None] * (following - polygons)
         added = np.where(crosses[..., None], crossings, moved)
         polygons = np.stack([moved, added], axis=2).reshape(len(polygons), -1, 2)
     return polygons
@@ -143,8 +143,8 @@ def _distances_to_sides(corners: np.ndarray, polygons: np.ndarray) -> np.ndarray
     along = np.roll(polygons, -1, axis=-2)[..., None, :, :] - start
     offsets = corners[..., :, None, :] - start
     squares = (along**2).sum(axis=-1)
-    way = np.clip((offsets * along).sum(axis=-1) / np.where(squares > 0, squares, 1.0), 0, 1)
-    return np.linalg.norm(offsets - way[..., None] * along, axis=-1).min(axis=(-2, -1))
+    fraction = np.clip((offsets * along).sum(axis=-1) / np.where(squares > 0, squares, 1.0), 0, 1)
+    return np.linalg.norm(offsets - fraction[..., None] * along, axis=-1).min(axis=(-2, -1))
 
 
 def _area(polygons: np.ndarray) -> np.ndarray:

@@ -64,11 +64,11 @@ class Puzzle:
 
 # ---- 02: ransac_line ---------------------------------------------------------------------------
 
-ROUNDS, TOLERANCE = 200, 0.5
+MAX_ITERATIONS, TOLERANCE = 200, 0.5
 
 
 def _find_line(ransac_line: Callable, points: np.ndarray, tolerance: float = TOLERANCE) -> tuple:
-    return ransac_line(points.copy(), ROUNDS, tolerance, 0)
+    return ransac_line(points.copy(), MAX_ITERATIONS, tolerance, 0)
 
 
 def _find_line_unless_upright(ransac_line: Callable, points: np.ndarray) -> tuple:
@@ -105,8 +105,8 @@ _OUTLIERS = [[6, 1.5], [7.5, -2], [0.5, 2], [5.5, -3.5], [8, 3.2], [0.2, -1.5], 
 THRESHOLD = 0.8
 
 
-def _cluster(cluster: Callable, cloud: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
-    return np.asarray(cluster(np.array(cloud, dtype=float), threshold))
+def _labels(clustering: Callable, cloud: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
+    return np.asarray(clustering(np.array(cloud, dtype=float), threshold))
 
 
 def _without_height(cloud: np.ndarray) -> np.ndarray:
@@ -128,14 +128,14 @@ def _occupied_cells(cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return np.unique(cells, axis=0, return_index=True, return_inverse=True)
 
 
-def _cluster_touching_cells(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
+def _cluster_touching_cells(clustering: Callable, cloud: np.ndarray) -> np.ndarray:
     cells, _, where = _occupied_cells(cloud)
-    return _cluster(cluster, cells, 1.8)[where.ravel()]  # diagonal neighbours are 1.73 apart
+    return _labels(clustering, cells, 1.8)[where.ravel()]  # diagonal neighbours are 1.73 apart
 
 
-def _cluster_first_points_of_cells(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
+def _cluster_first_points_of_cells(clustering: Callable, cloud: np.ndarray) -> np.ndarray:
     _, first, where = _occupied_cells(cloud)
-    return _cluster(cluster, cloud[first])[where.ravel()]
+    return _labels(clustering, cloud[first])[where.ravel()]
 
 
 def _same_label_mask(labels: np.ndarray) -> np.ndarray:
@@ -264,14 +264,14 @@ PUZZLES = {
         },
     ),
     "euclidean_clustering": Puzzle(
-        _cluster,
+        _labels,
         _same_label_mask,
         _draw_clusters,
         "x, y, z",
         np.array(_STREET, dtype=float),
         {
             "A": Version(
-                lambda cluster, cloud: _cluster(cluster, _without_height(cloud)),
+                lambda clustering, cloud: _labels(clustering, _without_height(cloud)),
                 "It ignores the height.",
                 2,
             ),
@@ -279,7 +279,7 @@ PUZZLES = {
                 _cluster_into_balls, "It compares points only with the first point of a cluster.", 3
             ),
             "C": Version(
-                lambda cluster, cloud: _cluster(cluster, cloud, THRESHOLD**0.5),
+                lambda clustering, cloud: _labels(clustering, cloud, THRESHOLD**0.5),
                 "It compares the squared distance with the threshold.",
                 2,
             ),
@@ -318,7 +318,7 @@ PUZZLES = {
         },
     ),
     "euclidean_clustering_accelerated": Puzzle(
-        _cluster,
+        _labels,
         _same_label_mask,
         _draw_clusters,
         "x, y, z",
@@ -331,7 +331,7 @@ PUZZLES = {
                 _cluster_touching_cells, "It joins points exactly when their cells touch.", 2
             ),
             "C": Version(
-                lambda cluster, cloud: _cluster(cluster, _without_height(cloud)),
+                lambda clustering, cloud: _labels(clustering, _without_height(cloud)),
                 "It ignores the height.",
                 2,
             ),

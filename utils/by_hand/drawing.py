@@ -13,8 +13,8 @@ from utils.plots.arguments import as_labels
 from utils.plots.models import as_coefficients, ends_of_line
 from utils.plots.style import MARKERS, PALE, PALETTE, number
 
-MAX_NUMBERS = 40
-"""Largest number of points with their label written at each point."""
+MAX_LABELLED_POINTS = 40
+"""Labels are written at the points of a drawing only if it has at most this many points."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class Drawing:
                     "rows": rows,
                     "legend": name and f"{name}: {len(rows)}",
                     "text": name or f"label {label}",
-                    "number": "" if self.names or len(labels) > MAX_NUMBERS else str(label),
+                    "number": "" if self.names or len(labels) > MAX_LABELLED_POINTS else str(label),
                     "colour": PALETTE[(label - 1) % len(PALETTE)] if label else PALE,
                     "marker": MARKERS[(label - 1) % len(MARKERS)] if label else "x",
                 }

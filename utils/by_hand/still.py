@@ -44,21 +44,21 @@ def draw_still(board: Board, drawing: Drawing) -> Axes:
             write(axes, *board.points[row], group["number"], offset=(9, 9))
     if not shapes["groups"]:
         dots(axes, *board.points.T, "o", INK, size, zorder=3)
-    for one, dashes in zip(shapes["lines"], ("-", "--", ":"), strict=False):
-        across, up = np.transpose(one["ends"])
+    for line, dashes in zip(shapes["lines"], ("-", "--", ":"), strict=False):
+        across, up = np.transpose(line["ends"])
         style = {"color": INK, "linestyle": dashes, "linewidth": 1.8, "zorder": 2.5}
-        axes.plot(across, up, scalex=False, scaley=False, label=one["name"], **style)
+        axes.plot(across, up, scalex=False, scaley=False, label=line["name"], **style)
     if band := shapes["band"]:
         style = {"facecolor": GREEN, "edgecolor": GREEN, "alpha": 0.18, "zorder": 1}
         axes.add_patch(Polygon(band["corners"], label=band["name"], **style))
     edges = board.points[np.array(shapes["edges"], dtype=int).reshape(-1, 2)]
     axes.add_collection(LineCollection(edges, colors=MUTED, linewidths=1.2), autolim=False)
-    for one in shapes["rectangles"]:
+    for group in shapes["rectangles"]:
         style = {"facecolor": GRID, "edgecolor": PALE, "hatch": "//", "linewidth": 0}
-        for left, low, right, high in one["boxes"]:
+        for left, low, right, high in group["boxes"]:
             corner = (left, low)
             axes.add_patch(Rectangle(corner, right - left, high - low, zorder=0.9, **style))
-        label = f"{one['name']}: {len(one['boxes'])}"
+        label = f"{group['name']}: {len(group['boxes'])}"
         axes.add_patch(Rectangle((0, 0), 0, 0, label=label, **style))
     if len(board.movable) < len(board.points):
         style = {"color": INK, "fillstyle": "none", "linestyle": "none", "zorder": 4}

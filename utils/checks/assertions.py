@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 import utils
 from utils.checks.failures import AnswerTooLarge, CheckFailed, NotYet, WrongForm, fixed
 from utils.checks.size_limits import MAX_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
-from utils.remote_objects import ObservedCall, RemoteObject
+from utils.remote_objects import ObservedCall, RemoteProxy
 
 # Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
 TOLERANCE = 1e-3
@@ -100,7 +100,7 @@ def brief_text(value: object) -> str:
 
 
 def point_text(point: ArrayLike, digits: int = 2) -> str:
-    """Return a point as text, (x, y) or (x, y, z), rounded to the centimetre.
+    """Return a point as text, (x, y) or (x, y, z), with rounded coordinates.
 
     Parameters
     ----------
@@ -113,14 +113,14 @@ def point_text(point: ArrayLike, digits: int = 2) -> str:
 
 
 def points_text(points: np.ndarray, digits: int = 2) -> str:
-    """Return points as text, such as "(1, 2, 0), (3, 4.5, 0)", rounded to the centimetre.
+    """Return points as text, such as "(1, 2, 0), (3, 4.5, 0)".
 
     Parameters
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
         A fourth column is ignored.
     digits : int
-        Number of decimal places.
+        Largest number of decimal places.
     """
     rounded = (np.round(np.asarray(points, dtype=float)[:, :3], digits) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
@@ -649,7 +649,7 @@ def observe(function: Callable, *arguments: object) -> ObservedCall:
 
     In the judge, the function runs in the sandbox, and the call is observed there.
     """
-    if isinstance(function, RemoteObject):
+    if isinstance(function, RemoteProxy):
         return function.observe(*arguments)
     copies = copy.deepcopy(arguments)
     result = function(*copies)
@@ -668,12 +668,12 @@ def time_call(function: Callable, *arguments: object) -> tuple[object, float]:
 
     The time is processor time. A function in the sandbox is timed there.
     """
-    if isinstance(function, RemoteObject):
+    if isinstance(function, RemoteProxy):
         return function.timed(*arguments)
     copies = copy.deepcopy(arguments)
-    begin = time.process_time()
+    start = time.process_time()
     answer = function(*copies)
-    return answer, time.process_time() - begin
+    return answer, time.process_time() - start
 
 
 def call_each(function: Callable, calls: Iterable[tuple]) -> list:
@@ -682,14 +682,14 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> list:
     A function in the sandbox receives all calls in one message. They share the time limit of one
     call, so use this for many fast calls.
     """
-    if isinstance(function, RemoteObject):
+    if isinstance(function, RemoteProxy):
         return function.each(list(calls))
     return [function(*copy.deepcopy(arguments)) for arguments in calls]
 
 
 def get_attribute_path(value: object, names: Sequence[str]) -> object:
     """Return `value.first.second` for two names; a remote value needs only one message."""
-    if isinstance(value, RemoteObject):
+    if isinstance(value, RemoteProxy):
         return value.reach(names)
     return attrgetter(".".join(names))(value)
 
@@ -771,7 +771,7 @@ def _rounded(rows: np.ndarray) -> list[bytes]:
     rounded = np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
     data = rounded.tobytes()
     size = len(data) // max(1, len(rounded)) or 1
-    return [data[begin : begin + size] for begin in range(0, len(data), size)]
+    return [data[start : start + size] for start in range(0, len(data), size)]
 
 
 def _row_count_text(rows: np.ndarray) -> str:

@@ -26,7 +26,7 @@ from utils.checks.assertions import assert_untouched
 from utils.checks.core import visible_check
 from utils.checks.failures import CheckFailed
 from utils.checks.limits import TimeUp
-from utils.remote_objects import RemoteError, RemoteObject
+from utils.remote_objects import RemoteError, RemoteProxy
 
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
@@ -227,7 +227,7 @@ def promise_untouched(
         assert_untouched(function, *case.arguments.values())
         if not is_more:
             return
-        own = RemoteError if isinstance(function, RemoteObject) else Exception
+        own = RemoteError if isinstance(function, RemoteProxy) else Exception
         try:
             assert_untouched(function, *full.values())
         except (CheckFailed, TimeUp):
@@ -237,7 +237,7 @@ def promise_untouched(
 
 
 def extend_arguments(arguments: Mapping[str, object]) -> dict[str, object]:
-    """Extend the arguments of a call with everything that a function might overwrite.
+    """Add values that a function might overwrite but a simple call lacks.
 
     Clouds get intensities, labels get zeros, and lines and planes get an offset from the origin.
 

@@ -220,14 +220,14 @@ def check(function: Callable, exercise: str | None = None) -> None:
     if owner != exercise and isinstance(function, FunctionType):
         raise TypeError(f'Pass the class: check({owner}, exercise="{exercise}")')
     checks = checks_of(exercise)
-    table, begin = Table(checks), time.process_time()
+    table, start = Table(checks), time.process_time()
     if refused := refused_modules(_method_or_function(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _refuse_modules(exercise, refused))]
     elif absent := absent_modules(_method_or_function(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _report_missing_modules(exercise, absent))]
     else:
         outcomes = _run_all(checks, function, table)
-    seconds = time.process_time() - begin
+    seconds = time.process_time() - start
     failed = [outcome for outcome in outcomes if outcome.failure]
     mistake = wrong_helper = hint = slip = None
     # A function that exceeded its time limit would exceed it again. Stubs and refusals need no

@@ -30,9 +30,9 @@ _MIN_SHARE = 0.8  # smallest share of an object's returns that its box must cont
 # A car may have four boxes: its own, and boxes of its mirror and of clusters seen through windows.
 _MAX_BOXES_PER_OBJECT = 4
 _MAX_BOXES = 1000  # comparing more boxes is slow, and no right answer has so many
-# Largest area of turned boxes, as a multiple of the area of their cars. In forty scans of `square`,
-# turned boxes had less than 1.25 times the area of the cars, and axis-aligned boxes more than 1.5
-# times.
+# Largest area of turned boxes, as a multiple of the area of their cars. In forty scans by
+# `scans.square`, turned boxes had less than 1.25 times the area of the cars, and axis-aligned boxes
+# more than 1.5 times.
 _MAX_AREA_RATIO = 1.33
 _MAX_PERSON_AREA = 3.0  # square metres
 _CARS_FOUND = "isolated cars near the sensor have separate boxes in the scan of this check"

@@ -26,7 +26,7 @@ class Table:
 
     Parameters
     ----------
-    checks : sequence of utils.checks.core.Check
+    checks : sequence of utils.checks.outcomes.Check
         All checks that will run.
     """
 

@@ -9,8 +9,8 @@ Each example is a call and its right answer::
     total.example("adds_nothing", {"numbers": []}, 0.0, title="...", why="...", hint="...")
     total.promise("untouched", why="Later cells use the same numbers.")
 
-The lessons of the course write most checks by hand, with `utils.checks.core.visible_check`.
-Such checks say more about a wrong answer. An exercise can have both kinds.
+Checks written by hand, with `utils.checks.core.visible_check`, say more about a wrong answer. An
+exercise can have both kinds.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable
 
 NUMBER = re.compile(r"(?<!\w)-?\d+(,\d{3})*(\.\d+)?(e[+-]?\d+)?(?!\w)")
 # Markers around a number that `fixed` protects; they are removed before the message is shown.
-_BEGIN, _END = "\x0e", "\x0f"
+_START, _END = "\x0e", "\x0f"
 
 
 def fixed(text: str) -> str:
@@ -25,7 +25,7 @@ def fixed(text: str) -> str:
     text : str
         A literal from the source code, without inserted values.
     """
-    return NUMBER.sub(rf"{_BEGIN}\g<0>{_END}", text)
+    return NUMBER.sub(rf"{_START}\g<0>{_END}", text)
 
 
 def with_numbers(message: str, replace: Callable[[str], str]) -> str:
@@ -38,7 +38,7 @@ def with_numbers(message: str, replace: Callable[[str], str]) -> str:
     replace : callable
         Takes a number as text; returns its replacement.
     """
-    parts = re.split(f"{_BEGIN}(.*?){_END}", message)
+    parts = re.split(f"{_START}(.*?){_END}", message)
     others = [NUMBER.sub(lambda number: replace(number[0]), part) for part in parts[::2]]
     return "".join(itertools.chain(*itertools.zip_longest(others, parts[1::2], fillvalue="")))
 
@@ -81,7 +81,7 @@ class CheckFailed(AssertionError):
 
     @property
     def message(self) -> str:  # noqa: D102 (as above)
-        return self.marked.replace(_BEGIN, "").replace(_END, "")
+        return self.marked.replace(_START, "").replace(_END, "")
 
     @property
     def cause(self) -> Hashable:
@@ -116,15 +116,15 @@ class NotYet(CheckFailed):
 
     Attributes
     ----------
-    basic : str
+    requirement : str
         The precondition, as a clause.
     reason : CheckFailed or None
         The failure of the precondition.
     """
 
-    def __init__(self, basic: str, reason: CheckFailed | None = None) -> None:
-        self.basic, self.reason = basic, reason
-        super().__init__(f"This check waits until {basic}.")
+    def __init__(self, requirement: str, reason: CheckFailed | None = None) -> None:
+        self.requirement, self.reason = requirement, reason
+        super().__init__(f"This check waits until {requirement}.")
 
     @property
     def cause(self) -> Hashable:  # noqa: D102

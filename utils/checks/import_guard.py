@@ -19,7 +19,7 @@ class BlockedModules:
     """Context manager that replaces the contents of some modules with stand-ins everywhere."""
 
     def __init__(self, modules: Sequence[str]) -> None:
-        self._modules, self._beginnings = modules, tuple(f"{module}." for module in modules)
+        self._modules, self._prefixes = modules, tuple(f"{module}." for module in modules)
         self._hidden: dict[str, ModuleType] = {}
         self._replaced: list[tuple[dict, str, object]] = []
 
@@ -52,7 +52,7 @@ class BlockedModules:
             for name, module in list(sys.modules.items())
             if isinstance(module, ModuleType)
             and not isinstance(module, StandInModule)
-            and f"{name}.".startswith(self._beginnings)
+            and f"{name}.".startswith(self._prefixes)
         }
         if not found:
             return False
@@ -61,7 +61,7 @@ class BlockedModules:
         for namespace in _namespaces():
             for name, value in list(namespace.items()):
                 home = _module_of(value)
-                if f"{home}.".startswith(self._beginnings):
+                if f"{home}.".startswith(self._prefixes):
                     self._replaced.append((namespace, name, value))
                     namespace[name] = self._stand_in(value, home)
         return True

@@ -51,9 +51,8 @@ def assert_right_clusters_left(
     removed = np.unique(labels[(yours <= 0) & (expected > 0)])
     not_removed = np.unique(labels[(yours > 0) & (expected == 0) & (labels > 0)])
     parts = [
-        f"{_cluster_text(labels, cluster)} should be "
-        f"{'removed' if cluster in not_removed else 'kept'}"
-        for cluster in [*not_removed[:1], *removed[:1]]
+        f"{_cluster_text(labels, label)} should be {'removed' if label in not_removed else 'kept'}"
+        for label in [*not_removed[:1], *removed[:1]]
     ]
     text = "; ".join(parts)
     show = _summary_text if _summary_text(yours) != _summary_text(expected) else brief_text
@@ -129,7 +128,7 @@ def require_most_clusters_right(filter_clusters: Callable) -> None:
     """
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     is_right = (yours > 0) == (_KEPT > 0)
-    if sum(is_right[cluster == _LABELS].all() for cluster in range(1, 7)) < 5:
+    if sum(is_right[label == _LABELS].all() for label in range(1, 7)) < 5:
         raise NotYet(_BASIC_PROPERTY)
 
 
@@ -162,9 +161,9 @@ def _draw_clusters(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) 
             panel.set_yticks(range(len(names)), names)
 
 
-def _cluster_text(labels: np.ndarray, cluster: int) -> str:
-    count = np.count_nonzero(labels == cluster)
-    return f"cluster {cluster}, with {count} point{'s' if count != 1 else ''},"
+def _cluster_text(labels: np.ndarray, label: int) -> str:
+    count = np.count_nonzero(labels == label)
+    return f"cluster {label}, with {count} point{'s' if count != 1 else ''},"
 
 
 def _summary_text(labels: np.ndarray) -> str:

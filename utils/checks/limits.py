@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import FrameType
 
 # Share of the free memory that student code may use before Python raises a MemoryError, which
 # `check` can explain. The system kills a kernel that uses all memory, without a message.
@@ -78,11 +79,17 @@ def _start_clock(watch: threading.Thread, trace: Callable) -> None:
 
 
 def _clock_tracer(seconds: float, timed_out: threading.Event) -> Callable:
-    """Return a trace function that raises once when time is up; Python then removes it."""
-    due = time.monotonic() + seconds
+    """Return a trace function that raises once when time is up; Python then removes it.
 
-    def trace(*_: object) -> Callable:
-        if time.monotonic() > due:
+    It never raises while the context is left, because the interrupt would then escape.
+    """
+    due = time.monotonic() + seconds
+    own_files = {
+        function.__code__.co_filename for function in (_clock_tracer, contextlib.contextmanager)
+    }
+
+    def trace(frame: FrameType, *_: object) -> Callable:
+        if time.monotonic() > due and frame.f_code.co_filename not in own_files:
             timed_out.set()
             raise KeyboardInterrupt
         return trace

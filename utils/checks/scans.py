@@ -141,8 +141,8 @@ def people_around_ego_car(seed: int) -> Frame:
 
     rng = np.random.default_rng((seed, 55))
     ahead = rng.uniform((3.6, -0.6), (4.2, 0.6))
-    beside = rng.uniform((-0.8, 2.5), (1.9, 2.7)) * [1, rng.choice([-1, 1])]
-    people = [placed(random_pedestrian(rng), *place) for place in (ahead, beside)]
+    aside = rng.uniform((-0.8, 2.5), (1.9, 2.7)) * [1, rng.choice([-1, 1])]
+    people = [placed(random_pedestrian(rng), *place) for place in (ahead, aside)]
     return observe(world_of(Ground(), people), half_sensor(), seed)
 
 

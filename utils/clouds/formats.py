@@ -66,7 +66,7 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     --------
     >>> cloud = read_cloud("data/cloud.txt")     # doctest: +SKIP
     >>> cloud.shape                              # doctest: +SKIP
-    (117482, 4)
+    (115451, 4)
     """
     path = Path(path)
     if os.path.isdir(path):  # Path.is_dir raises for invalid file names

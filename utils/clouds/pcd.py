@@ -164,7 +164,8 @@ def _is_padding(rest: bytes, header: PcdHeader) -> bool:
     """Return whether the bytes after the last point can be ignored.
 
     PCL pads some files with zeros to a whole page, and other programs add a newline or a comment.
-    Whole points are not ignored, and neither is anything if the header contradicts itself.
+    Other bytes than zeros and newlines are not ignored if they could be whole points or if the
+    header contradicts itself.
     """
     if not rest.strip(b"\0\r\n"):
         return True

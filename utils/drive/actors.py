@@ -92,9 +92,9 @@ def hesitating_pedestrian(x: float, speed: float) -> Actor:
     return Actor(person, x - BUMPER - 3.0 * speed, pauses)
 
 
-def car_ahead(x: float, speed: float, begins: float, *speeds: tuple[float, float]) -> Actor:
+def car_ahead(x: float, speed: float, start_position: float, *speeds: tuple[float, float]) -> Actor:
     """Return a car ahead in our lane, which drives at `speed` m/s and then follows `speeds`."""
-    return Actor(placed(car(4.4, 1.78, 1.45), x, EGO_LANE, 0.0, speed), begins, speeds)
+    return Actor(placed(car(4.4, 1.78, 1.45), x, EGO_LANE, 0.0, speed), start_position, speeds)
 
 
 def slow_cyclist(x: float) -> Actor:

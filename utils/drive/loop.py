@@ -209,8 +209,8 @@ def drive(
         )
         if hit_identity is not None:
             break
-        faster = max(speed + acceleration * TICK, 0.0)
-        position, speed = position + (speed + faster) / 2 * TICK, faster
+        next_speed = max(speed + acceleration * TICK, 0.0)
+        position, speed = position + (speed + next_speed) / 2 * TICK, next_speed
     return Drive(street, tuple(moments), hit_identity, tuple(detector.problems), sensor)
 
 

@@ -1,8 +1,8 @@
 """Motion of boxes: match them from scan to scan and estimate their velocities.
 
-The speed is the median of the speeds between any two of the latest places (P. K. Sen, "Estimates
-of the regression coefficient based on Kendall's tau", 1968). A box that grows or jumps once,
-for example when two objects come close to each other, therefore does not change the speed.
+The speed is the median of the speeds between any two of the latest places (P. K. Sen, "Estimates of
+the regression coefficient based on Kendall's tau", 1968). A box that grows or jumps once therefore
+does not change the speed.
 
 Sideways, the centre of a box is misleading. When a car is split for a few scans, one side of its
 box stays in place and the other comes nearer. The speed of the slower side is therefore used, or 0
@@ -45,8 +45,8 @@ class Track:
 
     Parameters
     ----------
-    name : int
-        Track ID.
+    track_id : int
+        The same from scan to scan.
     box : ndarray, shape (8, 3)
         Corners in metres, with the scanner at the origin.
     places : tuple of (float, float, float, float)
@@ -58,7 +58,7 @@ class Track:
         Number of consecutive scans without a box.
     """
 
-    name: int
+    track_id: int
     box: np.ndarray
     places: tuple[Place, ...]
     velocity: tuple[float, float] = (0.0, 0.0)
@@ -103,7 +103,7 @@ class Motion:
             is_known = 0 <= partner < len(expected)
             track_id, before = next(self._track_ids), ()
             if is_known:
-                track_id, before = expected[partner].name, expected[partner].places
+                track_id, before = expected[partner].track_id, expected[partner].places
             now = (*before, _place(box, self._time, self._position))[-WINDOW:]
             seen.append(Track(track_id, box, now, _velocity(now)))
         coasting = [
@@ -113,7 +113,7 @@ class Motion:
         ]
         self._tracks = seen + coasting
         return [
-            TrackedBox(track.box, track.velocity, track.missed == 0, track.name)
+            TrackedBox(track.box, track.velocity, track.missed == 0, track.track_id)
             for track in self._tracks
         ]
 
@@ -140,9 +140,9 @@ class TrackerMotion:
         self._places = {
             track_id: self._places.get(track_id, ()) for track_id in tracks.ids.tolist()
         }
-        for track_id, box in dict(
-            zip(track_ids, boxes, strict=True)
-        ).items():  # wrong matches repeat IDs
+        # Wrong matches repeat a track ID; the last box counts.
+        latest_boxes = dict(zip(track_ids, boxes, strict=True))
+        for track_id, box in latest_boxes.items():
             now = _place(box, self._time, self._position)
             self._places[track_id] = (*self._places[track_id], now)[-FEWEST_PLACES:]
         speeds = tracks.velocities[:, :2] + (distance / seconds, 0.0)
@@ -204,8 +204,8 @@ def _side_speeds(places: tuple[Place, ...]) -> tuple[float, float]:
     """Return the mean sideways speeds of the right and left sides over all places."""
     if len(places) < 2:
         return 0.0, 0.0
-    (began, *_, right, left), (now, *_, right_now, left_now) = places[0], places[-1]
-    return (right_now - right) / (now - began), (left_now - left) / (now - began)
+    (start, *_, right, left), (now, *_, right_now, left_now) = places[0], places[-1]
+    return (right_now - right) / (now - start), (left_now - left) / (now - start)
 
 
 def _speed_nearest_to_zero(*speeds: float) -> float:

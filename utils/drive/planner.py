@@ -27,7 +27,7 @@ from utils.drive.rules import (
 )
 
 PREDICTIONS = 5
-"""Number of moments before standstill for which the planner predicts the place of a box."""
+"""Number of moments, from now until standstill, for which the place of a box is predicted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,15 +106,15 @@ class Planner:
         tracked_boxes = self._without_phantoms(speed, list(tracked_boxes))
         in_the_way = [box.track_id for box in tracked_boxes if plan(speed, limit, [box]).cause]
         self._scans_in_the_way = {
-            name: self._scans_in_the_way.get(name, 0) + 1 for name in in_the_way
+            track_id: self._scans_in_the_way.get(track_id, 0) + 1 for track_id in in_the_way
         }
-        sure = [
+        certain = [
             box
             for box in tracked_boxes
             if self._scans_in_the_way.get(box.track_id, SCANS_TO_BE_SURE) >= SCANS_TO_BE_SURE
         ]
-        decision = plan(speed, limit, sure)
-        if len(sure) == len(tracked_boxes):
+        decision = plan(speed, limit, certain)
+        if len(certain) == len(tracked_boxes):
             return decision
         return replace(decision, acceleration=min(decision.acceleration, 0.0))
 
@@ -146,7 +146,7 @@ def plan(speed: float, limit: float, tracked_boxes: Iterable[TrackedBox]) -> Dec
     speed, limit : float
         Speed of the ego car and limit of the street, in m/s.
     tracked_boxes : iterable of TrackedBox
-        Things around the car.
+        Boxes around the car.
     """
     free = min(ACCELERATION, (limit - speed) / 0.5)
     decisions = [Decision(free)]
@@ -157,8 +157,8 @@ def plan(speed: float, limit: float, tracked_boxes: Iterable[TrackedBox]) -> Dec
         )  # a box that overlaps us is not a leading vehicle
         needed = braking_gap(box, speed)
         if gap <= needed + (speed == 0):  # before it starts, a standing car waits for 1 m more
-            ours_to_lose = max(speed**2 - ahead**2, 0.0)
-            brake = ours_to_lose / (2 * max(gap - STANDSTILL_GAP, 0.1))
+            excess = max(speed**2 - ahead**2, 0.0)
+            brake = excess / (2 * max(gap - STANDSTILL_GAP, 0.1))
             gentle = COMFORTABLE_DECELERATION if speed > ahead else 0.0
             decisions.append(Decision(-min(max(brake, gentle), DECELERATION), box, gap))
         elif ahead > 1 and gap <= needed + speed:  # adapt to the speed of the vehicle ahead
@@ -169,8 +169,8 @@ def plan(speed: float, limit: float, tracked_boxes: Iterable[TrackedBox]) -> Dec
 
 def braking_gap(box: TrackedBox, speed: float) -> float:
     """Return the gap in metres below which the car brakes for a box in the corridor."""
-    rolls = max(box.velocity[0], 0.0) ** 2 / (2 * DECELERATION)
-    return STANDSTILL_GAP + max(stopping_distance(speed) - rolls, 0.0)
+    distance_of_leader = max(box.velocity[0], 0.0) ** 2 / (2 * DECELERATION)
+    return STANDSTILL_GAP + max(stopping_distance(speed) - distance_of_leader, 0.0)
 
 
 def gap_to(box: TrackedBox, speed: float, extra_width: float = 0.0) -> float:

@@ -1,9 +1,9 @@
 """Constants of a drive, chosen for these streets and compared with published values.
 
 The car is the same as in the lessons: the scanner is in the middle of the roof, 2.6 m behind the
-front bumper. As in lesson 07, the car reacts after half a second and brakes at 7 m/s². From
-30 km/h, it stops within 9 m. No standard defines the side margin, the gap at standstill, the
-comfort limits and the jerk. Their values let a simple planner drive well.
+front bumper. As in lesson 07, the car reacts after half a second and brakes at 7 m/s². From 30
+km/h, it stops after 9.1 m. No standard defines the side margin, the gap at standstill, the comfort
+limits and the jerk. Their values let a simple planner drive well.
 
 References
 ----------
@@ -12,8 +12,8 @@ References
   Methodological analysis of driver perception-brake times", Transportation Human Factors 2 (3),
   195-216, 2000.
 - German driving schools teach one second of reaction for an emergency. The braking distance in
-  metres is then half the square of a tenth of the speed in km/h, which is 7.7 m/s². The total is
-  13.5 m from 30 km/h.
+  metres is then half the square of a tenth of the speed in km/h, which is 7.7 m/s². With 9 m for
+  the reaction, the total is 13.5 m from 30 km/h.
 - Roads are designed for longer distances: AASHTO's "A Policy on Geometric Design of Highways and
   Streets" allows 2.5 s, and a deceleration of 11.2 ft/s², or 3.4 m/s².
 - Crossing pedestrians: Euro NCAP's test of emergency braking from the near side (CPNA) uses an

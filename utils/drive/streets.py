@@ -108,7 +108,7 @@ class Street:
 
     def _may_contain(self, obstacle: Obstacle) -> bool:
         """Return whether an obstacle may be in this street; only actors drive in our lane."""
-        x, y, *_ = obstacle.pose.x, obstacle.pose.y
+        x, y = obstacle.pose.x, obstacle.pose.y
         if abs(y) < PARKED - 1.0:
             return y > 0 and self.traffic
         if self.traffic and 0 < y < FURNITURE - 1.0:

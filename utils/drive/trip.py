@@ -49,7 +49,7 @@ class Trip:
             return "A page with the speed over time and the frame of each braking event."
         if Path(path).suffix in STREAMS:
             from utils.drive.stream import frames_of
-            from utils.films.viewers import write_stream
+            from utils.films.streams import write_stream
 
             write_stream(Path(path), frames_of(self.drive))
             return STREAMS[Path(path).suffix]

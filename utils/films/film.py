@@ -26,7 +26,7 @@ ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 SCAN_SECONDS = 0.1
 """Time between two scans if it is unknown; most scanners turn ten times a second."""
 STREAMS = {".rrd": "A stream for Rerun.", ".mcap": "A stream for Foxglove and RViz."}
-"""Files for other viewers by suffix; `utils.films.viewers` writes them."""
+"""Files for other viewers by suffix; `utils.films.streams` writes them."""
 TRAIL = 30
 """Number of places in a trail: three seconds of a scanner that turns ten times a second."""
 
@@ -55,7 +55,7 @@ def watch(
         failures are stored in `DetectedFrame.problem`, so that one scan does not end the film.
     """
     times = getattr(frames, "times", np.arange(len(frames)) * SCAN_SECONDS)
-    follower, before = _TrailRecorder(tracker) if tracker else None, None
+    trail_recorder, before = _TrailRecorder(tracker) if tracker else None, None
     for number, frame in enumerate(_readable(frames), start=1):
         if isinstance(frame, CloudFileError):
             if number == 1:
@@ -67,7 +67,7 @@ def watch(
         cloud = np.asarray(getattr(frame, "cloud", frame))
         moment = float(getattr(frame, "time", times[number - 1]))
         boxes = tuple(box for box in getattr(frame, "boxes", ()) if box.kind in ROAD_USERS)
-        found, seconds, problem, names, trails = None, 0.0, "", None, ()
+        found, seconds, problem, track_ids, trails = None, 0.0, "", None, ()
         if detect is not None:
             try:
                 if number == 1:
@@ -76,17 +76,17 @@ def watch(
                 found = detect(cloud)
                 seconds = time.perf_counter() - start
                 found = as_boxes(found)
-                if follower:
+                if trail_recorder:
                     # Some recordings give two scans the same time, and trackers divide by it.
                     since = moment - before if before not in (None, moment) else SCAN_SECONDS
-                    names, trails = follower.follow(found, since)
+                    track_ids, trails = trail_recorder.follow(found, since)
             except Exception as error:
                 if number == 1:
                     raise
                 found, problem = None, f"the detector failed: {type(error).__name__}: {error}"
         before = moment
         yield DetectedFrame(
-            number, len(frames), moment, cloud, boxes, found, seconds, problem, names, trails
+            number, len(frames), moment, cloud, boxes, found, seconds, problem, track_ids, trails
         )
 
 
@@ -115,13 +115,13 @@ class _TrailRecorder:
         self, boxes: np.ndarray, seconds: float
     ) -> tuple[tuple[int, ...], tuple[np.ndarray, ...]]:
         """Return the track IDs of the next frame's boxes (N, 8, 3), and all trails."""
-        names = self._tracker.update(boxes, seconds)
+        track_ids = self._tracker.update(boxes, seconds)
         tracks = self._tracker.tracks
         self._trails = {
-            name: [*self._trails.get(name, ()), box.mean(axis=0)][-TRAIL:]
-            for name, box in zip(tracks.ids.tolist(), tracks.boxes, strict=True)
+            track_id: [*self._trails.get(track_id, ()), box.mean(axis=0)][-TRAIL:]
+            for track_id, box in zip(tracks.ids.tolist(), tracks.boxes, strict=True)
         }
-        return tuple(names.tolist()), tuple(map(np.array, self._trails.values()))
+        return tuple(track_ids.tolist()), tuple(map(np.array, self._trails.values()))
 
 
 def scene_of(frame: DetectedFrame, title: str = "") -> Scene:
@@ -208,7 +208,7 @@ def record(
         f"A film of a street seen {camera.seen_from}, drawn from the points of a scanner.",
     )
     if path.suffix in STREAMS:
-        from utils.films.viewers import write_stream
+        from utils.films.streams import write_stream
 
         write_stream(path, watched())
     else:

@@ -70,7 +70,7 @@ class Continuation:
         self, lender: Lender, namespace: dict, cells: Sequence[str], show: Callable
     ) -> None:
         self._lender, self._namespace, self._show_shell_traceback = lender, namespace, show
-        self._position_of_key = {key: place for place, key in enumerate(cells)}
+        self._position_of_key = {key: position for position, key in enumerate(cells)}
         self._sources_by_position: dict[int, str] = {}
         self._positions_of_failed_cells: set[int] = set()
         self._failed_functions: dict[str, _FailedFunction] = {}

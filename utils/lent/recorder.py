@@ -47,7 +47,7 @@ class Recorder(Lender):
                     self._namespace[name] = self._wrap(name, own(function), answers)
         for name in CALLERS:
             caller = self._namespace.get(name)
-            if callable(caller) and not hasattr(caller, "is_unheard"):
+            if callable(caller) and not hasattr(caller, "is_unrecorded"):
                 self._namespace[name] = self._without_recording(caller)
 
     def wrap_callers(self) -> None:
@@ -61,7 +61,7 @@ class Recorder(Lender):
             with self._nested_call():
                 return caller(*arguments, **keywords)
 
-        unrecorded.is_unheard = True
+        unrecorded.is_unrecorded = True
         return unrecorded
 
     @contextlib.contextmanager

@@ -46,9 +46,8 @@ class Lender:
     def __init__(self, stored: dict, namespace: dict) -> None:
         self._stored, self._namespace = stored, namespace
         self._announced_names: set[str] = set()
-        self._own_functions: dict[
-            str, Callable
-        ] = {}  # functions set aside, and functions that call them
+        # Functions that are set aside, and functions that call them.
+        self._own_functions: dict[str, Callable] = {}
         self.names_set_aside: frozenset[str] = frozenset()
         """Names of written functions that are treated as stubs."""
 

@@ -119,19 +119,19 @@ def _without_deep_nesting(text: str) -> str:
 
 
 def _split_off_deep_nesting(text: str) -> Iterator[str]:
-    depth, begin = 0, 0
+    depth, start = 0, 0
     for token in _STRING_OR_BRACKET.finditer(text):
         if token[0] in ("[", "{"):
             depth += 1
             if depth == DEEPEST + 1:
-                yield text[begin : token.start()]
+                yield text[start : token.start()]
                 yield "null"
         elif token[0] in ("]", "}"):
             depth -= 1
             if depth == DEEPEST:
-                begin = token.end()
+                start = token.end()
     if depth <= DEEPEST:
-        yield text[begin:]
+        yield text[start:]
 
 
 def _decode(text: str) -> tuple[object, str]:
@@ -157,8 +157,8 @@ def _join_sentences(*sentences: str) -> str:
 
 def _complete_cells(text: str) -> dict:
     """Return a notebook with the cells that are complete before the file breaks off."""
-    begin = re.search(r'"cells"\s*:\s*\[', text) or re.match(r"\[", text)
-    cells, place = [], begin.end() if begin else len(text)
+    start = re.search(r'"cells"\s*:\s*\[', text) or re.match(r"\[", text)
+    cells, place = [], start.end() if start else len(text)
     while True:
         try:
             cell, place = _DECODER.raw_decode(text, _BETWEEN.match(text, place).end())

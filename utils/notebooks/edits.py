@@ -1,13 +1,11 @@
 """Generate all functions that are one edit away from a student's function.
 
-An edit undoes a typical slip. It changes an operator, a comparison, a constant, a sign or an axis,
-or swaps two operands, arguments or statements. It may also add or remove a call, an index or a
-name, or move a statement. Another edit can usually undo it, but no edit invents a term that is not
-in the function. The only new statements copy one name to another, or let a counter grow.
+An edit undoes a typical slip. It changes an operator, a constant, a sign or an axis, swaps two
+parts, adds or removes a call, an index or a name, or moves a statement. No edit invents a term that
+is not in the function. The only new statements copy one name to another, or let a counter grow.
 
 Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)
-write such rules for each exercise, and let a solver compare the result with a model answer. Here
-the rules are the same for all exercises, and the caller runs each changed function.
+write such rules for each exercise. Here they are the same for all exercises.
 
 This module reads untrusted text, so it runs in the sandbox.
 """
@@ -95,7 +93,7 @@ def edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]
     if last - first >= MAX_LINES or ast.dump(tree.body[0]) != ast.dump(node):
         return
     seen = {block}
-    for rank, text in sorted(_changed_blocks(block, tree), key=lambda pair: pair[0]):
+    for rank, text in sorted(_ranked_edits(block, tree), key=lambda pair: pair[0]):
         changed = text()
         if changed not in seen:
             seen.add(changed)
@@ -107,23 +105,24 @@ def edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]
 def _make_edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> Edit:
     """Build an edit that replaces only the lines that differ."""
     new = changed.split("\n")
-    begin = 0
-    while begin < min(len(lines), len(new)) and lines[begin] == new[begin]:
-        begin += 1
+    start = 0
+    while start < min(len(lines), len(new)) and lines[start] == new[start]:
+        start += 1
     end = 0
-    while end < min(len(lines), len(new)) - begin and lines[-1 - end] == new[-1 - end]:
+    while end < min(len(lines), len(new)) - start and lines[-1 - end] == new[-1 - end]:
         end += 1
     # An edit that only deletes lines also includes the line after them, so that it begins with a
-    # deleted line. An edit that only inserts lines also includes the line before them.
-    if begin == len(new) - end and end:
+    # deleted line. An edit that inserts lines, or deletes the last lines, also includes the line
+    # before them.
+    if start == len(new) - end and end:
         end -= 1
-    elif begin in (len(lines) - end, len(new) - end):
-        begin -= 1
-    text = "\n".join(new[begin : len(new) - end])
-    return Edit(cell, first + begin, first + len(lines) - end - 1, text, changed, rank)
+    elif start in (len(lines) - end, len(new) - end):
+        start -= 1
+    text = "\n".join(new[start : len(new) - end])
+    return Edit(cell, first + start, first + len(lines) - end - 1, text, changed, rank)
 
 
-def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
+def _ranked_edits(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
     """Yield the rank of each edit, lower for likelier ones, and a function that applies it."""
     source = SourceText(block)
     function = tree.body[0]
@@ -133,8 +132,8 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
     for node, parent, field in walked:
         if id(node) in docstrings:
             continue
-        for rank, begin, end, text in edits_of_node(source, node, parent, field, names):
-            yield rank, functools.partial(source.with_text, begin, end, text)
+        for rank, start, end, text in edits_of_node(source, node, parent, field, names):
+            yield rank, functools.partial(source.with_text, start, end, text)
     for rank, text in _with_return(block, function, names):
         yield rank, functools.partial(str, text)
     for rank, text in _moved_statements(block, function):
@@ -171,7 +170,7 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """Yield the block with a final `return` added: of a name, or of a part of an argument."""
+    """Yield the rank and the block with a final `return` of a name or a part of an argument."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:
@@ -261,13 +260,13 @@ def _is_set(node: ast.AST) -> bool:
 
 def _replace_texts(source: SourceText, replacements: list[tuple[int, int, str]]) -> str:
     """Return the whole text with several parts replaced."""
-    for begin, end, text in sorted(replacements, reverse=True):
-        source = SourceText(source.with_text(begin, end, text))
+    for start, end, text in sorted(replacements, reverse=True):
+        source = SourceText(source.with_text(start, end, text))
     return source.with_text(0, 0, "")
 
 
 def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yield the block with statements moved, swapped or deleted, or with a jump added."""
+    """Yield the rank and the block with statements moved, swapped or deleted, or a jump added."""
     lines = block.split("\n")
     yield from ((-1, text) for text in _returns_moved_out(lines, function, []))
     for parent in ast.walk(function):

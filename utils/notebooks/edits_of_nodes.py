@@ -132,17 +132,17 @@ class SourceText:
             self._starts[node.end_lineno - 1] + node.end_col_offset,
         )
 
-    def text(self, begin: int, end: int) -> str:
+    def text(self, start: int, end: int) -> str:
         """Return the text between two positions."""
-        return self._bytes[begin:end].decode()
+        return self._bytes[start:end].decode()
 
     def text_of(self, node: ast.AST) -> str:
         """Return the text of a node."""
         return self.text(*self.span(node))
 
-    def with_text(self, begin: int, end: int, text: str) -> str:
+    def with_text(self, start: int, end: int, text: str) -> str:
         """Return the whole text with the part between two positions replaced."""
-        return (self._bytes[:begin] + text.encode() + self._bytes[end:]).decode()
+        return (self._bytes[:start] + text.encode() + self._bytes[end:]).decode()
 
 
 @dataclass(frozen=True)
@@ -296,11 +296,11 @@ def _operator_edits(
     for left, operator, right in zip(operands, operators, operands[1:], strict=False):
         sign = _SIGNS[type(operator)]
         replacements = table[type(operator)] if table else _REPLACEMENTS[sign]
-        begin, end = source.span(left)[1], source.span(right)[0]
-        at = source.text(begin, end).find(sign)
+        start, end = source.span(left)[1], source.span(right)[0]
+        at = source.text(start, end).find(sign)
         if at >= 0:
             for replacement in replacements:
-                yield 0, begin + at, begin + at + len(sign), replacement
+                yield 0, start + at, start + at + len(sign), replacement
 
 
 def _comparison_edits(
@@ -319,23 +319,23 @@ def _comparison_edits(
         if len(node.ops) == 2:  # high <= x <= low
             middle, last = node.comparators
             yield 1, *_swap(source, node.left, last)
-            (begin, first), (_, end) = source.span(middle), source.span(last)
+            (middle_start, middle_end), (_, end) = source.span(middle), source.span(last)
             start = source.span(node)[0]
-            one, other = source.text(start, first), source.text(begin, end)
-            yield 0, start, end, f"({one}) & ({other})"  # Python's chain fails for arrays
+            left, right = source.text(start, middle_end), source.text(middle_start, end)
+            yield 0, start, end, f"({left}) & ({right})"  # Python's chain fails for arrays
         return
     if isinstance(node.left, ast.Subscript):  # x[d] <= r becomes x[d <= r]
         inside, (_, bracket) = source.span(node.left.slice)[1], source.span(node.left)
         end = source.span(node)[1]
         yield 1, inside, end, source.text(bracket, end) + source.text(inside, bracket)
     yield 2, *source.span(node), f"({source.text_of(node.left)})"
-    for one, other in ((node.left, node.comparators[0]), (node.comparators[0], node.left)):
-        inner = [part for part in ast.walk(one) if isinstance(part, ast.Name)]
+    for side, other in ((node.left, node.comparators[0]), (node.comparators[0], node.left)):
+        inner = [part for part in ast.walk(side) if isinstance(part, ast.Name)]
         inner = [part for part in inner if part.id in names.bound]
-        if len(inner) == 1 and not isinstance(one, ast.Name):
-            (begin, end), (first, last) = source.span(one), source.span(inner[0])
+        if len(inner) == 1 and not isinstance(side, ast.Name):
+            (start, end), (first, last) = source.span(side), source.span(inner[0])
             for name in names.bound:
-                text = source.text(begin, first) + name + source.text(last, end)
+                text = source.text(start, first) + name + source.text(last, end)
                 if name != inner[0].id:
                     yield 1, *source.span(other), text
 
@@ -366,16 +366,16 @@ def _binary_operation_edits(
 
 def _bracket_edits(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
     """Add or remove parentheses, so that another operator is applied first."""
-    begin, end = source.span(node)
-    if isinstance(node.left, ast.BinOp) and source.span(node.left)[0] == begin:
+    start, end = source.span(node)
+    if isinstance(node.left, ast.BinOp) and source.span(node.left)[0] == start:
         middle = source.span(node.left.right)[0]
         yield 0, middle, end, f"({source.text(middle, end)})"
     if isinstance(node.right, ast.BinOp) and source.span(node.right)[1] == end:
         middle = source.span(node.right.left)[1]
-        yield 0, begin, middle, f"({source.text(begin, middle)})"
+        yield 0, start, middle, f"({source.text(start, middle)})"
     for operand in (node.left, node.right):
         first, last = source.span(operand)
-        around = source.text(max(begin, first - 1), first) + source.text(last, min(last + 1, end))
+        around = source.text(max(start, first - 1), first) + source.text(last, min(last + 1, end))
         if isinstance(operand, ast.BinOp) and around == "()":
             yield 1, first - 1, last + 1, source.text_of(operand)
     call = node.left  # f(x) + y becomes f(x + y); `_moved_operand_edits` does the reverse
@@ -389,38 +389,38 @@ def _moved_operand_edits(source: SourceText, call: ast.Call) -> Iterator[tuple[i
     """Move the last operand out of a call: f(x + y) becomes f(x) + y."""
     if len(call.args) == 1 and isinstance(call.args[0], ast.BinOp) and not call.keywords:
         inside = call.args[0]
-        begin, end = source.span(call)
+        start, end = source.span(call)
         middle, last = source.span(inside.left)[1], source.span(inside)[1]
         moved = source.text(middle, last)
-        yield 2, begin, end, f"({source.text(begin, middle)}{source.text(last, end)}{moved})"
+        yield 2, start, end, f"({source.text(start, middle)}{source.text(last, end)}{moved})"
 
 
 def _swap(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
     """Swap two nodes; return the start of the first, the end of the second, and the new text."""
-    (begin, middle), (further, end) = source.span(first), source.span(second)
-    return begin, end, source.text_of(second) + source.text(middle, further) + source.text_of(first)
+    (start, middle), (further, end) = source.span(first), source.span(second)
+    return start, end, source.text_of(second) + source.text(middle, further) + source.text_of(first)
 
 
 def _augmented_assignment_edits(
     source: SourceText, node: ast.AugAssign
 ) -> Iterator[tuple[int, int, int, str]]:
     sign = _SIGNS[type(node.op)]
-    begin, end = source.span(node.target)[1], source.span(node.value)[0]
-    at = source.text(begin, end).find(sign + "=")
+    start, end = source.span(node.target)[1], source.span(node.value)[0]
+    at = source.text(start, end).find(sign + "=")
     for replacement in (*_REPLACEMENTS[sign], ""):
-        yield 0, begin + at, begin + at + len(sign) + 1, f"{replacement}="
+        yield 0, start + at, start + at + len(sign) + 1, f"{replacement}="
 
 
 def _constant_edits(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
-    value, (begin, end) = node.value, source.span(node)
+    value, (start, end) = node.value, source.span(node)
     if isinstance(value, bool):
-        yield 0, begin, end, str(not value)
+        yield 0, start, end, str(not value)
     elif isinstance(value, int):
         for rank, changed in ((0, value + 1), (0, value - 1), (3, value + 2), (3, value - 2)):
-            yield rank, begin, end, f"({changed})" if changed < 0 else str(changed)
+            yield rank, start, end, f"({changed})" if changed < 0 else str(changed)
     elif isinstance(value, float):
         for changed in (value / 2, value * 2, value + 1, value - 1):
-            yield 3, begin, end, f"({changed!r})"
+            yield 3, start, end, f"({changed!r})"
 
 
 def _decimal_point_edits(
@@ -454,7 +454,7 @@ def _call_edits(
             end = source.span(node)[1]
             yield 3, end - 1, end, f", {keyword})"
     if name in AXIS_FUNCTIONS and not any(word.arg == "axis" for word in node.keywords):
-        begin, end = source.span(node)
+        start, end = source.span(node)
         comma = ", " if node.args or node.keywords else ""
         for axis in (0, 1, -1):
             yield 1, end - 1, end, f"{comma}axis={axis})"
@@ -481,9 +481,9 @@ def _reordering_edits(
         yield rank, *_swap(source, left, right)
     if len(nodes) == 3:
         first, second, third = map(source.text_of, nodes)
-        begin, end = source.span(nodes[0])[0], source.span(nodes[-1])[1]
-        yield 2, begin, end, f"{second}, {third}, {first}"
-        yield 2, begin, end, f"{third}, {first}, {second}"
+        start, end = source.span(nodes[0])[0], source.span(nodes[-1])[1]
+        yield 2, start, end, f"{second}, {third}, {first}"
+        yield 2, start, end, f"{third}, {first}, {second}"
     for kept, gone in zip(nodes, nodes[1:], strict=False):
         yield 3, source.span(kept)[1], source.span(gone)[1], ""
         yield 3, source.span(kept)[0], source.span(gone)[0], ""
@@ -502,7 +502,7 @@ def _attribute_edits(
 def _subscript_edits(
     source: SourceText, node: ast.Subscript, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    begin, end = source.span(node)
+    start, end = source.span(node)
     value_end = source.span(node.value)[1]
     yield 1, value_end, end, ""
     inside = node.slice
@@ -513,7 +513,7 @@ def _subscript_edits(
         yield 1, *source.span(inside), f":, {source.text_of(inside)}"
     if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
         is_argument = getattr(node.value, "id", "") in names.arguments  # points instead of rows
-        yield 1 if is_argument else 3, begin, end, source.text_of(inside)
+        yield 1 if is_argument else 3, start, end, source.text_of(inside)
 
 
 def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
@@ -528,8 +528,8 @@ def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int
     if isinstance(node.upper, ast.Constant) and node.upper.value == 1:  # :1 is x; :3 is x, y and z
         yield 1, *source.span(node.upper), "3"
     if node.lower is None:
-        begin = source.span(node)[0]
-        yield 1, begin, begin, "1"
+        start = source.span(node)[0]
+        yield 1, start, start, "1"
     if node.step is None and (node.lower is None) != (node.upper is None):  # x[a:] or x[:a]
         if node.upper is None:
             bound = source.text_of(node.lower).removeprefix("-")
@@ -537,21 +537,21 @@ def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int
         else:
             yield 1, *source.span(node), f"{source.text_of(node.upper)}:"
     if node.upper is None and node.step is None:
-        begin, end = source.span(node)
+        start, end = source.span(node)
         for bound in ("-1", "2", "3"):
             yield 1, end, end, bound
 
 
 def _span_with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
     """Return the span of a keyword argument together with the comma before it."""
-    begin, end = source.span(node)
+    start, end = source.span(node)
     before = [
         source.span(argument)[1]
         for argument in (*call.args, *call.keywords)
         if argument is not node
     ]
-    earlier = [place for place in before if place <= begin]
-    return (max(earlier), end) if earlier else (begin, end)
+    earlier = [place for place in before if place <= start]
+    return (max(earlier), end) if earlier else (start, end)
 
 
 def _return_edits(
@@ -573,8 +573,8 @@ def _name_insertion_edits(
     if any(isinstance(node, ast.GeneratorExp) for node in nodes):
         return
     for name in names:
-        begin = source.span(nodes[0])[0]
-        yield rank, begin, begin, f"{name}, "
+        start = source.span(nodes[0])[0]
+        yield rank, start, start, f"{name}, "
         for node in nodes:
             end = source.span(node)[1]
             yield rank, end, end, f", {name}"
@@ -587,11 +587,11 @@ def _assignment_edits(
     targets = target.elts if isinstance(target, ast.Tuple) else [target]
     yield from _name_insertion_edits(source, targets, names.unbound, 1)
     if isinstance(target, (ast.Name, ast.Subscript)):
-        begin = source.span(target)[1]
+        start = source.span(target)[1]
         end = source.span(node.value)[0]
-        at = source.text(begin, end).find("=")
+        at = source.text(start, end).find("=")
         for rank, sign in ((2, "+="), (3, "-="), (3, "&="), (3, "|=")):
-            yield rank, begin + at, begin + at + 1, sign
+            yield rank, start + at, start + at + 1, sign
     if isinstance(target, ast.Name) and isinstance(node.value, ast.Name):
         yield 2, *_swap(source, target, node.value)
     if isinstance(target, ast.Subscript) and isinstance(node.value, ast.Name):
@@ -603,13 +603,13 @@ def _assignment_edits(
 
 
 def _if_edits(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
-    begin = source.span(node)[0]
-    if source.text(begin, begin + 5) == "elif ":
-        yield 2, begin, begin + 4, "if"
+    start = source.span(node)[0]
+    if source.text(start, start + 5) == "elif ":
+        yield 2, start, start + 4, "if"
     else:
-        yield 2, begin, begin + 2, "elif"
+        yield 2, start, start + 2, "elif"
         # `if queue:` is likelier to be meant as a loop than a comparison is.
-        yield 1 if isinstance(node.test, ast.Name) else 2, begin, begin + 2, "while"
+        yield 1 if isinstance(node.test, ast.Name) else 2, start, start + 2, "while"
 
 
 def _wrapping_edits(
@@ -624,47 +624,47 @@ def _wrapping_edits(
         return
     if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
         return
-    begin, end = source.span(node)
+    start, end = source.span(node)
     text = source.text_of(node)
     name = isinstance(node, ast.Name)
     atom = name or isinstance(node, (ast.Attribute, ast.Subscript, ast.Call))
     inner = text if atom else f"({text})"
     if tested or isinstance(parent, ast.BoolOp):
-        yield 0, begin, end, f"(not {inner})"
+        yield 0, start, end, f"(not {inner})"
         for method in (".all()", ".any()") if isinstance(node, ast.Compare) else ():
-            yield 1, begin, end, inner + method
+            yield 1, start, end, inner + method
     elif isinstance(parent, ast.Subscript):
         for rank, sign in ((0, "~"), (1, "-")) if field == "slice" else ():
-            yield rank, begin, end, sign + inner
+            yield rank, start, end, sign + inner
     elif isinstance(node, ast.Constant):
-        yield 1, begin, end, f"(-{inner})"
+        yield 1, start, end, f"(-{inner})"
     elif not isinstance(node, (ast.Tuple, ast.List)):
         if placed and not _is_arithmetic(node):
-            yield 2, begin, end, f"~{inner}"
+            yield 2, start, end, f"~{inner}"
         for wrap in _WRAPS:
-            yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
+            yield 1 if placed else 3, start, end, f"({wrap.format(inner)})"
         # Students rarely lose the sign of an array.
         number = isinstance(node, (ast.BinOp, ast.Name))
-        yield 1 if placed and number else 3, begin, end, f"(-{inner})"
-        yield 3, begin, end, f"(1 - {inner})"
+        yield 1 if placed and number else 3, start, end, f"(-{inner})"
+        yield 3, start, end, f"(1 - {inner})"
         for part in _SLICES if atom and placed else ():
-            yield 2, begin, end, inner + part
+            yield 2, start, end, inner + part
         for part in _RARE_SLICES if atom and placed else ():
-            yield 3, begin, end, inner + part
+            yield 3, start, end, inner + part
         if operand and name:
             for part in (*_COLUMNS, *_INDICES):
-                yield 3, begin, end, inner + part
+                yield 3, start, end, inner + part
             divides = isinstance(getattr(parent, "op", None), ast.Div) and field == "right"
-            yield 1 if divides else 3, begin, end, inner + "[:, None]"
+            yield 1 if divides else 3, start, end, inner + "[:, None]"
         for part in _ROW_TESTS if placed and not _is_arithmetic(node) else ():
-            yield 2, begin, end, inner + part
+            yield 2, start, end, inner + part
         operator = getattr(parent, "op", None)
         if atom and not name and field == "left" and isinstance(operator, (ast.Sub, ast.BitAnd)):
-            yield 1, begin, end, inner + "[:, None]"
+            yield 1, start, end, inner + "[:, None]"
         if atom and isinstance(operator, ast.MatMult):
-            yield 1, begin, end, f"{inner}.T"
+            yield 1, start, end, f"{inner}.T"
         for change in ("{} + 1", "{} - 1") if placed else ():
-            yield 1 if isinstance(node, ast.Name) else 3, begin, end, f"({change.format(inner)})"
+            yield 1 if isinstance(node, ast.Name) else 3, start, end, f"({change.format(inner)})"
     if isinstance(parent, ast.Return):
         for rank, wrap in (
             *((0 if isinstance(node, ast.GeneratorExp) else 2, "list({})"), (2, "np.array({})")),
@@ -672,7 +672,7 @@ def _wrapping_edits(
         ):
             yield (
                 rank,
-                begin,
+                start,
                 end,
                 wrap.format(f"({text})" if isinstance(node, ast.Tuple) else text),
             )
@@ -688,19 +688,19 @@ def _name_combination_edits(
         return
     if isinstance(node, (ast.Constant, ast.Tuple, ast.List, ast.Starred, ast.GeneratorExp)):
         return
-    begin, end = source.span(node)
+    start, end = source.span(node)
     inner = source.text_of(node)
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
-        yield 3, begin, end, call.format(inner)
+        yield 3, start, end, call.format(inner)
     if operand and isinstance(node, ast.Name) and node.id in names.arguments:
-        yield 2, begin, end, f"np.array({inner})"
+        yield 2, start, end, f"np.array({inner})"
     atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
     for name in names.bound if isinstance(node, ast.Name) else ():
         if name not in names.arguments and name != node.id:
-            yield 3, begin, end, f"{inner}[{name}]"
+            yield 3, start, end, f"{inner}[{name}]"
     for form in _COMBINATIONS:
         for name in names.bound:
-            yield 5, begin, end, f"({form.format(inner if atom else f'({inner})', name)})"
+            yield 5, start, end, f"({form.format(inner if atom else f'({inner})', name)})"
 
 
 def _is_arithmetic(node: ast.expr) -> bool:

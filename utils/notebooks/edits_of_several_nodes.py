@@ -52,14 +52,14 @@ def edits_of_several_nodes(
     statements = (ast.Assign, ast.AugAssign, ast.Return)
     for part in [function, *(node for node in nodes if isinstance(node, statements))]:
         inside = [node for node in ast.walk(part) if isinstance(node, ast.Name)]
-        for one, other in itertools.combinations(names.arguments[1:], 2):
-            if {one, other} <= {node.id for node in inside}:
-                exchanged = {one: other, other: one}
+        for first, second in itertools.combinations(names.arguments[1:], 2):
+            if {first, second} <= {node.id for node in inside}:
+                exchanged = {first: second, second: first}
                 both = [node for node in inside if node.id in exchanged]
                 yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
     attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
-    for one, other in TWINS:
-        exchanged = {one: other, other: one}
+    for first, second in TWINS:
+        exchanged = {first: second, second: first}
         both = [node for node in attributes if node.attr in exchanged]
         if len({node.attr for node in both}) > 1:
             ends = [(source.span(node)[1], node.attr) for node in both]
@@ -111,8 +111,8 @@ def _edits_of_several_calls(
     returned = {node.value.id: 1 for node in nodes if _is_return_of_a_name(node)}
     for several in lost.values():
         for name in returned:
-            begins = [source.span(call)[0] for call in several]
-            edits = [(begin, begin, f"{name} += ") for begin in begins]
+            starts = [source.span(call)[0] for call in several]
+            edits = [(start, start, f"{name} += ") for start in starts]
             yield 0, edits
             yield from ((0, [edit]) for edit in edits if len(edits) > 1)
 
@@ -145,8 +145,8 @@ def _edits_of_several_powers(
         is_doubled = operator is ast.Mult and getattr(node.right, "value", None) == 2
         if is_doubled or operator is ast.BitXor:
             sign = "*" if is_doubled else "^"
-            begin, end = source.span(node.left)[1], source.span(node.right)[0]
-            at = begin + source.text(begin, end).find(sign)
+            start, end = source.span(node.left)[1], source.span(node.right)[0]
+            at = start + source.text(start, end).find(sign)
             places.setdefault(sign, []).append((at, at + 1, "**"))
     for several in places.values():
         if len(several) > 1:

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable
 
 RUNNING_VERSION = sys.version_info[:2]
-LONGEST = 200_000
+MAX_CHARACTERS = 200_000
 """Longer code is not examined, to save time."""
 _STRING_START = re.compile(r"(?i:(?<!\w)(?P<prefix>[rbuft]{1,2}))?(?P<quote>'''|\"\"\"|'|\")")
 _COMMENT = re.compile(r"#[^\n]*")
@@ -56,8 +56,10 @@ def parse_newer_syntax(
     If the code is not valid in a newer Python either, or if the Python that ran it is not newer,
     the result is None.
     """
+    if len(source) > MAX_CHARACTERS:
+        return None
     for version, rewrite in _REWRITERS:
-        if version <= RUNNING_VERSION or (python and python < version) or len(source) > LONGEST:
+        if version <= RUNNING_VERSION or (python and python < version):
             continue
         try:
             rewritten = rewrite(source)
@@ -92,14 +94,14 @@ _REWRITERS = (((3, 12), _rewrite_python_3_12), ((3, 14), _rewrite_python_3_14))
 
 
 def _without_type_parameters(source: str) -> str:
-    parts, begin = [], 0
+    parts, start = [], 0
     for found in _GENERIC.finditer(source):
         end = _end_of_brackets(source, found.end())
         # Type parameters are written like the parameters of a function.
         ast.parse(f"def _({source[found.end() + 1 : end - 1]}): pass")
-        parts.append(source[begin : found.end()])
-        begin = end
-    return "".join([*parts, source[begin:]])
+        parts.append(source[start : found.end()])
+        start = end
+    return "".join([*parts, source[start:]])
 
 
 def _end_of_brackets(source: str, place: int) -> int:

@@ -61,7 +61,7 @@ class Cell:
 
     @property
     def has_id_of_text(self) -> bool:
-        """Return whether the cell is unchanged since the release that it came from."""
+        """Whether the text of the cell is unchanged since the release that it came from."""
         return self.id.partition("-")[0] == id_of_text(self.source)
 
 

@@ -1,10 +1,9 @@
 """Find the statements of a notebook that an exercise needs, by program slicing.
 
 A notebook also loads a street, draws it and tries things out. The judge, or another notebook, needs
-only the student's functions and the statements that those functions use; other statements cost
-time and may fail. This module therefore slices backwards from the functions' names. It keeps a
-top-level statement that binds or changes a needed name; the names that the statement uses are then
-needed as well.
+only the student's functions and the statements that they use; others cost time and may fail. This
+module keeps a top-level statement if it binds or changes a needed name; the names that the
+statement uses are then needed as well.
 
 This module reads untrusted text, so it runs in the sandbox.
 """

@@ -1,4 +1,4 @@
-"""Texts in figures: names next to what they belong to, and rings that draw attention."""
+"""Names and rings in figures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from utils.plots.style import INK, PAPER, styled
 
 NAME_SIZE = 10.5  # typographic points
-# Where a name may be: above, to the right, to the left or below.
+# The sides of a region at which its name may be, the preferred one first.
 SIDES = np.array([(0, 1), (1, 0), (-1, 0), (0, -1)])
 
 

@@ -199,7 +199,7 @@ def _sorted_around_centre(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def _project_obliquely(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
-    """Project points onto the drawing plane (n, 2), as seen from the rear right and above.
+    """Project points onto the drawing plane (n, 2), as seen from the front right and above.
 
     With `depth`, return the depth of each point along the line of sight (n,) instead.
     """

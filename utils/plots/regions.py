@@ -236,7 +236,7 @@ def _draw_unvisited_regions(
             size = cell.upper - cell.lower
             axes.add_patch(Rectangle(cell.lower, *size, linewidth=0, zorder=0.9, **style))
         if branches := len(largest):
-            count = sum(node_fate == state for node_fate in state_of.values())
+            count = sum(other_state == state for other_state in state_of.values())
             label = f"{state}: {branches} branch{'es' * (branches > 1)}, {counted(count, 'point')}"
             axes.add_patch(Rectangle((0, 0), 0, 0, label=label, linewidth=0.6, **style))
 

@@ -1,4 +1,4 @@
-"""Figures of run time against the number of points, with the exponent of its growth."""
+"""Figures of run time against the number of points, with a fitted power."""
 
 from __future__ import annotations
 

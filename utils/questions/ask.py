@@ -37,7 +37,7 @@ class Card:
     text : str
         The question; code is between backticks.
     before, after : str
-        A line that changes; empty if no line does.
+        A line before and after its change; empty if no line changes.
     code : str
         The call that the question is about.
     choices : tuple of str

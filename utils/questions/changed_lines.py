@@ -60,14 +60,14 @@ def as_written(before: str, after: str) -> str:
     if not _meaning(after):
         return after if after.count("(") <= before.count("(") else ""
     is_tidy = _without_parentheses(before, 0, len(before)) == before
-    begin, end = (0, len(after)) if is_tidy else _changed_part(before, after)
-    return _without_parentheses(after, begin, end)
+    start, end = (0, len(after)) if is_tidy else _changed_part(before, after)
+    return _without_parentheses(after, start, end)
 
 
 @functools.cache
-def _without_parentheses(line: str, begin: int, end: int) -> str:
+def _without_parentheses(line: str, start: int, end: int) -> str:
     """Return a line without the unnecessary parentheses that open in a part of it."""
-    meaning, at = _meaning(line), begin
+    meaning, at = _meaning(line), start
     while meaning and (at := line.find("(", at, end)) >= 0:
         close = _closing(line, at)
         shorter = line[:at] + line[at + 1 : close] + line[close + 1 :]
@@ -79,11 +79,11 @@ def _without_parentheses(line: str, begin: int, end: int) -> str:
 
 
 def _changed_part(before: str, after: str) -> tuple[int, int]:
-    """Return the begin and end of the part of `after` that differs from `before`."""
-    begin = len([*takewhile(lambda pair: pair[0] == pair[1], zip(before, after, strict=False))])
-    rest = before[begin:][::-1], after[begin:][::-1]
+    """Return the start and end of the part of `after` that differs from `before`."""
+    start = len([*takewhile(lambda pair: pair[0] == pair[1], zip(before, after, strict=False))])
+    rest = before[start:][::-1], after[start:][::-1]
     same = len([*takewhile(lambda pair: pair[0] == pair[1], zip(*rest, strict=False))])
-    return begin, len(after) - same
+    return start, len(after) - same
 
 
 def _meaning(line: str) -> str:

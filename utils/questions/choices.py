@@ -37,8 +37,8 @@ def distractors(right: str, candidates: Iterable[str], code: str = "") -> list[s
     for candidate in candidates:
         is_right = any(same_answer(candidate, text) for text in (right, reversed_vector(right)))
         is_alike = not has_shown_rows or is_selection(candidate, code)
-        is_silly = right != "None" and adds_nan(candidate, right + code)
-        if candidate and is_alike and not is_right and not is_silly:
+        reveals_nan = right != "None" and adds_nan(candidate, right + code)
+        if candidate and is_alike and not is_right and not reveals_nan:
             same = next((known for known in counted if same_answer(known, candidate)), candidate)
             counted[same] += 1
     ranked = sorted(counted, key=lambda text: (-similarity(right, text), -counted[text]))

@@ -1,4 +1,4 @@
-"""Small cases for questions about students' own code."""
+"""Small calls of the functions of lesson 04, for questions about students' own code."""
 
 from utils.questions.cases import Case
 
@@ -16,7 +16,7 @@ class WatchedNode(Node):
 """
 
 
-def _grown(points: str, asked: str = "shape(tree.root)") -> str:
+def _insert_code(points: str, asked: str = "shape(tree.root)") -> str:
     return (
         f"{SHAPE if 'shape' in asked else ''}points = {points}\ntree = KdTree()\n"
         f"for index, point in enumerate(points):\n    tree.insert(point, index)\n{asked}"
@@ -47,7 +47,7 @@ tree.root = Node(
 """
 
 
-def _visits(tree: str, search: str) -> Case:
+def _visits_case(tree: str, search: str) -> Case:
     return Case(
         f"{tree}tree.search({search})",
         asked="Which nodes does the search visit, in order? Write their indices. A node is "
@@ -60,16 +60,16 @@ def _visits(tree: str, search: str) -> Case:
 CASES = {
     "insert": (
         Case(
-            _grown("[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0]]"),
-            larger=_grown(
+            _insert_code("[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0]]"),
+            larger=_insert_code(
                 "[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0], [1.0, 5.0], [0.0, 1.0], [8.0, 0.0]]",
                 "tree.root.index",
             ),
         ),
-        Case(_grown("[[4.0, 2.0], [2.0, 3.0], [3.0, 1.0]]")),
-        Case(_grown("[[4.0, 2.0], [4.0, 1.0], [4.0, 3.0]]")),
-        Case(_grown("[[5.0, 5.0], [2.0, 6.0], [1.0, 7.0]]")),
-        Case(_grown("[[3.0, 1.0], [1.0, 2.0], [2.0, 2.0]]")),
+        Case(_insert_code("[[4.0, 2.0], [2.0, 3.0], [3.0, 1.0]]")),
+        Case(_insert_code("[[4.0, 2.0], [4.0, 1.0], [4.0, 3.0]]")),
+        Case(_insert_code("[[5.0, 5.0], [2.0, 6.0], [1.0, 7.0]]")),
+        Case(_insert_code("[[3.0, 1.0], [1.0, 2.0], [2.0, 2.0]]")),
     ),
     "search": (
         Case(
@@ -79,9 +79,9 @@ CASES = {
         Case(f"{LARGE}list(tree.search([3.0, 4.0], 1.5))"),
         Case(f"{LARGE}list(tree.search([5.0, 3.0], 2.5))"),
         Case(f"{SMALL}list(tree.search([4.0, 5.0], 1.0))"),
-        _visits(SMALL, "[3.0, 3.0], 1.5"),
-        _visits(LARGE, "[2.0, 1.0], 1.5"),
-        _visits(LARGE, "[5.0, 2.0], 1.5"),
+        _visits_case(SMALL, "[3.0, 3.0], 1.5"),
+        _visits_case(LARGE, "[2.0, 1.0], 1.5"),
+        _visits_case(LARGE, "[5.0, 2.0], 1.5"),
     ),
     "median_order": (
         Case("list(median_order(np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 3.0]])))"),

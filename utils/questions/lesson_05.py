@@ -1,4 +1,4 @@
-"""Small cases for questions about students' own code."""
+"""Small calls of the functions of lesson 05, for questions about students' own code."""
 
 from utils.questions.clustering_cases import clustering_cases
 

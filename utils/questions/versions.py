@@ -23,7 +23,7 @@ from utils.questions.texts import is_value, outcome_text
 
 # Limits for all cases of one version; a right answer needs some milliseconds.
 OWN_SECONDS, CHANGED_SECONDS = 10.0, 1.0
-# After this processor time, no further versions are run; usually their number is the limit.
+# After this processor time, no further versions are run. MAX_CHANGES is usually reached first.
 MAX_CPU_SECONDS = 6.0
 MAX_CHANGES = 40
 

@@ -83,17 +83,17 @@ def play(run: Replay) -> None:
     if not run.steps:
         show(f"<p>{escape(run.remark)}</p>", run.remark)
         return
-    count, begin = len(run.steps), run.fault.step + 1 if run.fault else 1
+    count, first_shown = len(run.steps), run.fault.step + 1 if run.fault else 1
 
-    def step(step: int) -> None:
+    def show_step(step: int) -> None:
         _show(run, step - 1)
 
     if hasattr(ipywidgets, "is_still"):
-        last = begin if run.fault else count
+        last = first_shown if run.fault else count
         for number in np.unique(np.linspace(1, last, STILL_PICTURES).round().astype(int)):
-            step(int(number))
+            show_step(int(number))
     else:
-        ipywidgets.interact(step=_slider(count, begin))(step)
+        ipywidgets.interact(step=_slider(count, first_shown))(show_step)
 
 
 def _show(run: Replay, position: int) -> None:

@@ -88,9 +88,9 @@ class Window:
 
     Attributes
     ----------
-    paused : bool
+    is_paused : bool
         Whether the user has paused.
-    open : bool
+    is_open : bool
         Whether the window is still open.
     """
 

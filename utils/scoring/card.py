@@ -192,17 +192,22 @@ def score_card(
     pairs = list(zip(found, frames, strict=True))
     scored = [_ScoredFrame.of(boxes, frame, region, overlap) for boxes, frame in pairs]
     rows = [
-        _row("precision", [(frame.hits.sum(axis=1), frame.found) for frame in scored], _share),
-        _row("recall", [(frame.hits.sum(axis=1), len(frame.away)) for frame in scored], _share),
+        _row("precision", [(frame.hits.sum(axis=1), frame.n_boxes) for frame in scored], _share),
+        _row(
+            "recall", [(frame.hits.sum(axis=1), len(frame.distances)) for frame in scored], _share
+        ),
         _row(
             "F1",
-            [(2 * frame.hits.sum(axis=1), frame.found + len(frame.away)) for frame in scored],
+            [
+                (2 * frame.hits.sum(axis=1), frame.n_boxes + len(frame.distances))
+                for frame in scored
+            ],
             _share,
-            sum(len(frame.away) for frame in scored),
+            sum(len(frame.distances) for frame in scored),
         ),
     ]
     for names, edges, attribute in (
-        (("recall to 10 m", "recall, 10–20 m", "recall beyond 20 m"), DISTANCES, "away"),
+        (("recall to 10 m", "recall, 10–20 m", "recall beyond 20 m"), DISTANCES, "distances"),
         (("recall in plain view", "recall, partly hidden", "recall, half hidden or more"),
          HIDDEN_SHARES, "hidden"),
     ):  # fmt: skip
@@ -220,8 +225,8 @@ class _ScoredFrame:
     """The scores of a frame: hits (3, M) on its true boxes, their distances and hidden shares."""
 
     hits: np.ndarray
-    found: int
-    away: np.ndarray
+    n_boxes: int
+    distances: np.ndarray
     hidden: np.ndarray
 
     @classmethod

@@ -80,8 +80,8 @@ def open_archives(paths: Iterable[Path], folder_level: int = 0) -> Iterator[Subm
     for path in paths:
         archive = open_archive(path)
         submitted = _read(archive, folder_level)
-        read = {file.entry for file in submitted.files}
-        others = [entry for entry in archive.entries if entry not in read]
+        read_entries = {file.entry for file in submitted.files}
+        others = [entry for entry in archive.entries if entry not in read_entries]
         unneeded = tuple(
             entry
             for entry in others

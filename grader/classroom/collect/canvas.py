@@ -2,8 +2,8 @@
 
 File names are ``{name}[_LATE]_{user id}_{attachment id}_{file}``, all in one folder; `name` has
 only letters and digits. If names are hidden, they are
-``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. Typed texts and links have no attachment id:
-``…_{user id}_text.html``, ``…_link.html``. A group submits one file, with one member's user id.
+``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. Typed texts and links have no attachment ID:
+``…_{user id}_text.html``, ``…_link.html``. A group submits one file, with one member's user ID.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ def collect(
     owner_answers, lesson_answers : dict of str to str
         Answers to questions, as typed.
     progress : callable
-        Called with (done, total, None) after each student.
+        Called with (done, total, None) at the start and after each student.
     folder_level : int, optional
         Level of the students' folders in archives of an unknown format: 1 for the outermost. By
         default, it is recognised.
@@ -191,7 +191,7 @@ def _group_by_owner(
     answers: InstructorAnswers,
     report: CollectionReport,
 ) -> Iterator[tuple[tuple[str, ...], list[ArchivedFile]]]:
-    """Yield each known owner's ids and files, and add questions about the other owners."""
+    """Yield each known owner's IDs and files, and add questions about the other owners."""
     groups: dict[tuple[Path, Owner], list[ArchivedFile]] = {}
     for archive, file in archived_files:
         groups.setdefault((archive, file.owner), []).append((archive, file))

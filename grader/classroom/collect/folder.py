@@ -39,7 +39,9 @@ def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
     if None in positions and not level:
         # If some notebooks are not in a folder, only outermost folders can be students' folders.
         positions &= {0}
-    above = len(os.path.commonprefix([path[: _position(path, depth) or 0] for path in paths]))
+    shared_depth = len(
+        os.path.commonprefix([path[: _position(path, depth) or 0] for path in paths])
+    )
     name = archive.path.name if archive.path.is_dir() else archive.path.stem
     files = []
     for entry in archive.entries:
@@ -47,7 +49,7 @@ def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
         position = _position(entry.path, depth)
         if position is not None and position in positions:
             label = entry.path[position]
-            inner = entry.path[above:position] + entry.path[position + 1 :]
+            inner = entry.path[shared_depth:position] + entry.path[position + 1 :]
         elif len(entry.path) == 1:
             label = student_name_in(entry.path[0]) or name
         owner = Owner(label, label, (label,), is_folder=not level)
@@ -85,7 +87,8 @@ def folders_of_lessons(entries: Sequence[ArchiveEntry]) -> frozenset[str]:
             levels.setdefault(depth, set()).add((folders[:depth], name, lesson))
     found = set()
     for level in levels.values():
-        parents, names = ({place[part] for place in level} for part in (0, 1))
+        parents = {parent for parent, _, _ in level}
+        names = {name for _, name, _ in level}
         counts = Counter((name, lesson) for _, name, lesson in level)
         repeated = {name for (name, _), count in counts.items() if count > 1}
         has_attempts = max(Counter((parent, lesson) for parent, _, lesson in level).values()) > 1
@@ -156,5 +159,5 @@ def _position(path: Sequence[str], depth: int) -> int | None:
 
     The outermost folder has depth 0. Return None if the path has no folder at this depth.
     """
-    places = [place for place, name in enumerate(path[:-1]) if not is_course_folder(name)]
-    return places[depth] if depth < len(places) else None
+    indices = [index for index, name in enumerate(path[:-1]) if not is_course_folder(name)]
+    return indices[depth] if depth < len(indices) else None

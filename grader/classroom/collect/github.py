@@ -29,8 +29,8 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
         return None
     identifiers = _identifiers(archive)
     names = [folder[-1] for folder in repositories]
-    beginning = common_prefix(names, "-")
-    owners = {folder: _owner(folder[-1], beginning, identifiers) for folder in repositories}
+    prefix = common_prefix(names, "-")
+    owners = {folder: _owner(folder[-1], prefix, identifiers) for folder in repositories}
     files = []
     for entry in archive.entries:
         folder = next((path for path in repositories if entry.path[: len(path)] == path), None)
@@ -54,14 +54,14 @@ def _outermost(folders: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
     return outermost
 
 
-def _owner(repository: str, beginning: str, identifiers: dict[str, str]) -> Owner:
+def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
     """Return the owner of a repository, by the login at the end of its name.
 
-    With a single repository, the beginning of the name is unknown, so logins are only guessed.
+    With a single repository, the prefix of the name is unknown, so logins are only guessed.
     """
-    rest = repository.removeprefix(f"{beginning}-") if beginning else repository
-    logins = suffixes_after(beginning, repository, "-") if beginning else ()
-    guesses = () if beginning else suffixes(repository, "-")
+    rest = repository.removeprefix(f"{prefix}-") if prefix else repository
+    logins = suffixes_after(prefix, repository, "-") if prefix else ()
+    guesses = () if prefix else suffixes(repository, "-")
     identified = [
         identifiers[end.casefold()] for end in logins or guesses if end.casefold() in identifiers
     ]

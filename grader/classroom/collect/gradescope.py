@@ -52,8 +52,8 @@ def _submissions(metadata: ArchiveEntry) -> dict[str, tuple[Owner, int]]:
         # The base loader keeps the zeros at the beginning of a student's number.
         content = yaml.load(metadata.read(), getattr(yaml, "CBaseLoader", yaml.BaseLoader))
         return {
-            folder: (_owner(about[":submitters"]), _order_key(about.get(":created_at", "")))
-            for folder, about in content.items()
+            folder: (_owner(details[":submitters"]), _order_key(details.get(":created_at", "")))
+            for folder, details in content.items()
         }
     except (UnreadableFile, yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError):
         raise CollectError(

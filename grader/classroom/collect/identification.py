@@ -22,7 +22,7 @@ class ContradictoryLesson(Exception):
         self.lessons = lessons
 
 
-def lesson_of(
+def identify_lesson(
     file: StudentFile,
     existing_lessons: Collection[Lesson],
     is_placed: Callable[[Lesson, StudentFile], bool],

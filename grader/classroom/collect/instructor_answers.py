@@ -34,7 +34,7 @@ class InstructorAnswers:
     Attributes
     ----------
     owners : dict of str to (tuple of str)
-        Ids of all owners, by the digest of the name of an owner or file; empty if the work does not
+        IDs of all owners, by the digest of the name of an owner or file; empty if the work does not
         belong to a student.
     lessons : dict of str to grader.course.lessons.Lesson
         Lessons by file name.
@@ -47,7 +47,7 @@ class InstructorAnswers:
     earlier: frozenset[str] = frozenset()
 
     def owners_of(self, name: str) -> tuple[str, ...] | None:
-        """Return the ids in the answer about an owner or file, or None without an answer."""
+        """Return the IDs in the answer about an owner or file, or None without an answer."""
         return self.owners.get(_digest(name))
 
     def is_earlier(self, name: str) -> bool:
@@ -70,7 +70,7 @@ class InstructorAnswers:
         )
 
     def teams_of(self, id: str) -> set[frozenset[str]]:
-        """Return the teams of a student, as sets of ids."""
+        """Return the teams of a student, as sets of IDs."""
         teams = {frozenset(ids) for ids in self.owners.values() if len(ids) > 1}
         return {team for team in teams if id in team}
 
@@ -135,7 +135,7 @@ def store_teams(course: Course, stages: Sequence[str], teams: Iterable[tuple[str
 
 
 def teams_in(course: Course, stage: str) -> list[frozenset[str]]:
-    """Return the teams of a stage that answers or archives declare, as sets of ids."""
+    """Return the teams of a stage that answers or archives declare, as sets of IDs."""
     members: dict[str, set[str]] = {}
     for entry_stage, digest, id in _read_entries(course):
         if entry_stage == stage:
@@ -166,7 +166,7 @@ def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]
 
 
 def ids_in(answer: str) -> tuple[str, ...]:
-    """Split a typed answer about an owner into ids; empty if no student owns the files."""
+    """Split a typed answer about an owner into IDs; empty if no student owns the files."""
     return () if answer == NO_OWNER else tuple(answer.split(","))
 
 
@@ -201,7 +201,7 @@ def _parse_lessons(answers: dict[str, str]) -> dict[str, Lesson]:
 
 
 def _read_entries(course: Course) -> list[tuple[str, str, str]]:
-    """Return the stage, the digest of the name, and the student id in each readable line."""
+    """Return the stage, the digest of the name, and the student ID in each readable line."""
     entries = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
+from grader.errors import UserError
 
-class CollectError(Exception):
-    """Nothing can be collected; the message is shown to the user."""
+
+class CollectError(UserError):
+    """Nothing can be collected; `str()` says why and what to do."""
 
 
 class UnreadableFile(Exception):
@@ -67,7 +69,7 @@ class Owner:
     names : tuple of str
         Possible names on the roster, the most likely first.
     lms_id, participant, logins : str, str, tuple of str
-        Canvas user id, Moodle participant number, GitHub logins.
+        Canvas user ID, Moodle participant number, GitHub logins.
     guesses : tuple of str
         Possible logins and names, to be confirmed by the instructor.
     members : tuple of (tuple of str)

@@ -1,11 +1,10 @@
 """Read the zip that *Download all submissions* creates for a Moodle assignment.
 
 Each student has a folder ``{name}_{number}_assignsubmission_{plugin}`` with the submitted files and
-subfolders. If the teacher chose a download without folders, each file is
-named ``{name}_{number}_assignsubmission_{plugin}_{file}`` instead. The
-number is the participant's number in the grading worksheet. A team has the name
-``{team}_{team number}``; students without a team have the name ``{default team}`` without a number.
-Names do not contain ``_``.
+subfolders. If the teacher chose a download without folders, each file is named
+``{name}_{number}_assignsubmission_{plugin}_{file}`` instead. The number is the participant's number
+in the grading worksheet. A team has the name ``{team}_{team number}``; students without a team have
+the name ``{default team}`` without a number. Names do not contain ``_``.
 
 In versions before 2022, folders end with ``_``. Each member of a team has a folder, named
 ``{team}-{name}_{number}``; the default team also has a name.

@@ -56,12 +56,12 @@ def common_prefix(names: Collection[str], separator: str) -> str:
     return os.path.commonprefix(list(names)).rpartition(separator)[0] if len(names) > 1 else ""
 
 
-def suffixes_after(beginning: str, name: str, separator: str) -> tuple[str, ...]:
+def suffixes_after(prefix: str, name: str, separator: str) -> tuple[str, ...]:
     """Return the suffixes of a name that include everything after the names' common prefix.
 
     A login may contain separators, so it may start inside the common prefix.
     """
-    rest = name.removeprefix(f"{beginning}{separator}") if beginning else ""
+    rest = name.removeprefix(f"{prefix}{separator}") if prefix else ""
     return tuple(end for end in suffixes(name, separator) if len(end) >= len(rest))
 
 

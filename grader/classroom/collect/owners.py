@@ -49,7 +49,7 @@ class OwnerFinder:
         self._folders: dict[str, str] = {}
 
     def ids_of(self, owner: Owner) -> tuple[str, ...]:
-        """Return the ids of a student or of a team's members; empty if no student owns the files.
+        """Return the IDs of a student or of a team's members; empty if no student owns the files.
 
         Raises
         ------
@@ -112,7 +112,7 @@ class OwnerFinder:
     def identity_question(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """Return a question if the identity of an owner is in doubt; otherwise an empty string.
 
-        Canvas labels a group's work with the group's name and the user id of the member who
+        Canvas labels a group's work with the group's name and the user ID of the member who
         submitted.
 
         Parameters
@@ -121,7 +121,7 @@ class OwnerFinder:
         ids : sequence of str
             The assumed owners.
         others : sequence of Owner
-            OwnerFinder in the same archive with the same ids.
+            The other owners in the same archive with the same IDs.
         """
         if self.is_answered(owner):
             return ""
@@ -177,7 +177,7 @@ class OwnerFinder:
 
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[SubmissionRow]]:
-        """Return the rows that match exactly one person, by the person's id."""
+        """Return the rows that match exactly one person, by the person's ID."""
         rows_by_id: dict[str, list[SubmissionRow]] = {}
         for row in self._worksheet.rows:
             people = self._people_of(row)
@@ -186,7 +186,7 @@ class OwnerFinder:
         return rows_by_id
 
     def check_answers(self, answers: dict[str, str]) -> None:
-        """Check the ids in new answers, as typed.
+        """Check the IDs in new answers, as typed.
 
         Raises
         ------
@@ -248,7 +248,9 @@ class OwnerFinder:
             self._people_by_login(owner.guesses)
             or self._people_by_names(owner.guesses)
             or tuple(
-                id for name in owner.names for id in self._roster.people_with_leading_zeros(name)
+                person
+                for name in owner.names
+                for person in self._roster.people_with_leading_zeros(name)
             )
         )
 
@@ -284,7 +286,7 @@ class OwnerFinder:
         members = [self._people_of(row) for row in rows]
         return (
             [matches[0] for matches in members]
-            if all(len(member) == 1 for member in members)
+            if all(len(matches) == 1 for matches in members)
             else []
         )
 
@@ -297,7 +299,7 @@ class OwnerFinder:
             )
         remedy = ""
         if owner.lms_id and (
-            others := [who for name in owner.names for who in self._roster.find_people(name)]
+            others := [person for name in owner.names for person in self._roster.find_people(name)]
         ):
             numbers = " or ".join(f"{person.lms_id} ({person.id})" for person in others)
             return (

@@ -3,7 +3,7 @@
 - **Blackboard**: ``{title}_{login}_attempt_{time}_{file}``. ``{title}_{login}_attempt_{time}.txt``
   describes the attempt.
 - **Brightspace**: ``{number}-{number} - {name} - {time}/{file}``, or `` - `` instead of the slash.
-  Some institutions write an id before the name.
+  Some institutions write an ID before the name.
 - **ILIAS**: ``{last name}_{first name}_{login}_{number}/{file}``. A team has a folder
   ``Team {number}``, with a folder of the member who submitted.
 - **PrairieLearn**: ``{login}_{number}_{question and numbers}_{file}``. Logins are e-mail addresses.
@@ -41,15 +41,13 @@ _SAKAI = re.compile(
 def read_blackboard(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a download from Blackboard, or None for any other archive."""
     matches = match_paths(archive, _BLACKBOARD)
-    beginning = common_prefix({parts["owner"] for _, parts in matches}, "_")
+    prefix = common_prefix({parts["owner"] for _, parts in matches}, "_")
     files = []
     for entry, parts in matches:
         label = parts["owner"]
-        logins = suffixes_after(beginning, label, "_")
+        logins = suffixes_after(prefix, label, "_")
         owner = (
-            Owner(label, logins[-1], logins)
-            if beginning
-            else Owner(label, logins[-1], guesses=logins)
+            Owner(label, logins[-1], logins) if prefix else Owner(label, logins[-1], guesses=logins)
         )
         if parts["file"]:
             order = int(parts["time"].replace("-", ""))
@@ -80,7 +78,7 @@ def read_ilias(archive: Archive) -> list[SubmittedFile] | None:
         path = _path(parts["file"])
         parent, folder = ("", *entry.path)[-len(path) - 2 : -len(path)]
         login, name = parts["login"], f"{parts['first']} {parts['last']}"
-        # An archive that is not from ILIAS may match as well. Its folders may be named after ids.
+        # An archive that is not from ILIAS may match as well. Its folders may be named after IDs.
         owner = Owner(f"{login}_{parts['number']}", login, (folder, login, name))
         if _ILIAS_TEAM.fullmatch(parent):
             owner = Owner(parent, parent, guesses=(login, name))

@@ -134,7 +134,7 @@ class StageFolder:
         origin = self._record.files.get(name)
         return bool(origin and origin.digest == digest and (self.path / name).is_file())
 
-    def outdated_digests(self, name: str) -> Collection[str]:
+    def rejected_digests(self, name: str) -> Collection[str]:
         """Return the SHA-256 digests of files that the instructor passed over for this one."""
         origin = self._record.files.get(name)
         return origin.beaten if origin else ()
@@ -268,9 +268,9 @@ class StageFolder:
     def _unused_paths(self, path: Path) -> Iterator[Path]:
         number = 1
         while True:
-            free = self.path / OLDER_FOLDER / f"{path.stem}.{number}{path.suffix}"
-            if not free.exists():
-                yield free
+            candidate = self.path / OLDER_FOLDER / f"{path.stem}.{number}{path.suffix}"
+            if not candidate.exists():
+                yield candidate
             number += 1
 
     def _relative_path(self, path: Path) -> str:

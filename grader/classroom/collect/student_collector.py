@@ -11,7 +11,7 @@ from grader.classroom.collect.collection_report import UNANSWERED_MARK, Collecti
 from grader.classroom.collect.identification import (
     ContradictoryLesson,
     UnrecognisedLesson,
-    lesson_of,
+    identify_lesson,
     lesson_option,
 )
 from grader.classroom.collect.inspection import (
@@ -141,7 +141,7 @@ class StudentCollector:
                 self._report.ignored[file.path[-1]] += 1
                 continue
             try:
-                lesson = self._answers.lessons.get(file.name) or lesson_of(
+                lesson = self._answers.lessons.get(file.name) or identify_lesson(
                     file, self._existing, self._is_placed
                 )
             except UnrecognisedLesson as problem:
@@ -163,10 +163,10 @@ class StudentCollector:
         """Place a lesson's newest file with its modules, and return the state of the lesson."""
         name = f"{lesson.name}.ipynb"
         has_answer = [file for file in candidates if file.name in self._answers.lessons]
-        outdated_digests = folder.outdated_digests(name)
+        rejected_digests = folder.rejected_digests(name)
         choices = (
             has_answer
-            or [file for file in candidates if file.digest not in outdated_digests]
+            or [file for file in candidates if file.digest not in rejected_digests]
             or candidates
         )
         newest_files = find_newest(choices)
@@ -181,8 +181,8 @@ class StudentCollector:
             return UNANSWERED_MARK
         file = newest_files[0]
         if has_answer:
-            outdated_digests = {newest_file.digest for newest_file in candidates} - {file.digest}
-        origin = dataclasses.replace(file.origin, beaten=tuple(sorted(outdated_digests)))
+            rejected_digests = {candidate.digest for candidate in candidates} - {file.digest}
+        origin = dataclasses.replace(file.origin, beaten=tuple(sorted(rejected_digests)))
         current = self._existing.get(lesson)
         may_replace_work = has_answer or not file.unpacked.content.untouched
         if current and not may_replace_work and contains_work(current.path):
@@ -307,6 +307,6 @@ def _stated_time(
     if rows:
         return StatedTime(undecided=f"{_TABLE_NAME} has no time for this student")
     # If the platform marks late work, all other work is on time and needs no row in the table.
-    if rows is None or all(one.late is False for _, one in submitted):
+    if rows is None or all(file.late is False for _, file in submitted):
         return StatedTime()
     return StatedTime(undecided=f"{_TABLE_NAME} has no row or several rows for this student")

@@ -2,7 +2,7 @@
 
 Moodle writes titles and dates in the language of the teacher who downloads the worksheet. The first
 column has a word and the participant's number, and the second column has the full name. An
-instructor's own table has ids in the first column, and submission times under one of `TIME_TITLES`.
+instructor's own table has IDs in the first column, and submission times under one of `TIME_TITLES`.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def read_submission_table(path: Path, zone: tzinfo | None) -> SubmissionTable:
 def _parse_row(
     cells: Sequence[str], column: int, status: int, language: str, zone: tzinfo | None
 ) -> SubmissionRow:
-    """Read one row; the columns after the status contain marks, which may look like ids."""
+    """Read one row; the columns after the status contain marks, which may look like IDs."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
     when, time_problem = None, ""
     time_text = cells[column] if column < len(cells) else ""

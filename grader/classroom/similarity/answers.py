@@ -151,7 +151,8 @@ def _extract_answer(
         node = statement.node
         if statement.binds & others or isinstance(node, (ast.Import, ast.ImportFrom)):
             continue
-        first = min([node.lineno, *(line.lineno for line in getattr(node, "decorator_list", []))])
+        decorators = getattr(node, "decorator_list", [])
+        first = min([node.lineno, *(decorator.lineno for decorator in decorators)])
         offset = len(lines) + 1 - first
         lines += [*code[statement.cell - 1].split("\n")[first - 1 : node.end_lineno], ""]
         is_exercise = getattr(node, "name", "") == name and hasattr(node, "args")

@@ -166,5 +166,5 @@ def _largest_share_with_kept(
     first: Document, second: Document, kept_documents: Sequence[Document], weights: Weights
 ) -> float:
     """Return the largest share between one of two answers and a kept answer."""
-    both = itertools.product((first, second), kept_documents)
-    return max((weights.share(one, other) for one, other in both), default=0.0)
+    pairs = itertools.product((first, second), kept_documents)
+    return max((weights.share(document, kept) for document, kept in pairs), default=0.0)

@@ -100,7 +100,9 @@ class StageComparison:
         for comparison in self.comparisons:
             for pair in comparison.pairs:
                 pairs_by_students.setdefault(pair.students, []).append(pair)
-        pairs = (StudentPair(students, tuple(mine)) for students, mine in pairs_by_students.items())
+        pairs = (
+            StudentPair(students, tuple(shared)) for students, shared in pairs_by_students.items()
+        )
         return tuple(sorted(pairs, key=lambda pair: -pair.bits))
 
 
@@ -215,7 +217,7 @@ def _student_names(course: Course) -> dict[str, str]:
 
 
 def _label(course: Course, student: str, names: Mapping[str, str]) -> str:
-    """Return a student's id with the name, or with the folder of an earlier course."""
+    """Return a student's ID with the name, or with the folder of an earlier course."""
     if isinstance(course, EarlierCourse):
         return printable_name(f"{course.root.name}/{student}")
     return printable_name(names.get(student, student))

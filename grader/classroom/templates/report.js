@@ -33,10 +33,10 @@ search.parentElement.hidden = false;
 search.addEventListener("input", () => {
   const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
   let found = 0;
-  for (const one of document.querySelectorAll("[data-student]")) {
-    const text = one.dataset.student.toLowerCase();
-    one.hidden = !words.every((word) => text.includes(word));
-    found += one.tagName === "TR" && !one.hidden;
+  for (const entry of document.querySelectorAll("[data-student]")) {
+    const text = entry.dataset.student.toLowerCase();
+    entry.hidden = !words.every((word) => text.includes(word));
+    found += entry.tagName === "TR" && !entry.hidden;
   }
   document.getElementById("found").textContent = words.length ? `${found} found` : "";
 });

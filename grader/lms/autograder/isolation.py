@@ -9,7 +9,7 @@ from pathlib import Path
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 PREFERRED_SANDBOXES = ("bubblewrap", "chroot")
-"""Sandboxes, the strongest first; "process" is enough, as a container judges one submission."""
+"""Sandboxes, the strongest first. A chroot is enough, because a container judges one submission."""
 ROOT_ONLY = ("source", "submission", "submission_metadata.json", "run_autograder")
 NOT_WRITABLE = (".", "results")
 
@@ -19,7 +19,7 @@ class IsolationFailed(Exception):
 
 
 def restrict_access(root: Path) -> None:
-    """Restrict Gradescope's folders to root, and verify the permissions.
+    """Restrict access to Gradescope's folders, and verify the permissions.
 
     Parameters
     ----------

@@ -97,8 +97,8 @@ def judge_submission(submitted: Path, source: Path, sandbox: Sandbox) -> JudgedS
         judged = tuple(
             _judge(course, lesson, submissions.get(lesson), seed, sandbox) for lesson in lessons
         )
-        left = (*_explain_special_files(submitted), *_explain_unjudged(folder, lessons))
-        return JudgedSubmission(judged, left)
+        unjudged = (*_explain_special_files(submitted), *_explain_unjudged(folder, lessons))
+        return JudgedSubmission(judged, unjudged)
 
 
 def _special_files(folder: str, names: list[str]) -> list[str]:

@@ -190,8 +190,10 @@ def _status_and_points(
 
 def _waiting_sentences(waiting: Sequence[NotebookResult]) -> str:
     """Return which marks are not final, why, and what to do."""
-    incomplete = "; ".join(_list_by_lesson([one for one in waiting if one.score is not None]))
-    not_entered = "; ".join(_list_by_lesson([one for one in waiting if one.score is None]))
+    incomplete = "; ".join(
+        _list_by_lesson([result for result in waiting if result.score is not None])
+    )
+    not_entered = "; ".join(_list_by_lesson([result for result in waiting if result.score is None]))
     sentences = []
     if incomplete:
         sentences.append(
@@ -207,12 +209,12 @@ def _waiting_sentences(waiting: Sequence[NotebookResult]) -> str:
     )
 
 
-def _list_by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
+def _list_by_lesson(notebooks: Iterable[NotebookResult], class_size: int = 0) -> list[str]:
     """List lessons, each with its students; leave out the names if they are the whole class."""
     students: dict[str, list[str]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         students.setdefault(result.lesson, []).append(result.student)
     return [
-        f"{lesson} for {'all students' if len(names) == everyone > 1 else ', '.join(names)}"
+        f"{lesson} for {'all students' if len(names) == class_size > 1 else ', '.join(names)}"
         for lesson, names in students.items()
     ]

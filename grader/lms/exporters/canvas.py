@@ -56,13 +56,14 @@ def export_canvas(options: ExportOptions) -> ExportResult:
         )
     maximum = read_number(possible[0][column])
     factor = scale_factor(marks, maximum, sheet.head[column], options.scale)
-    places = []
+    owned_rows = []
     for row in sheet.rows:
         name = _name(row, people)
         if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
-            places.append(OwnedRow(row, _person_row(sheet, row, name)))
-    mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
-    filled = fill_column(marks, places, Column(column, factor, mark, EXCUSED), _refusal(column))
+            owned_rows.append(OwnedRow(row, _person_row(sheet, row, name)))
+    decimal_mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
+    target = Column(column, factor, decimal_mark, EXCUSED)
+    filled = fill_column(marks, owned_rows, target, _refusal(column))
     text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
     return ExportResult(text.encode(), filled.mark_count, filled.failures, filled.notes)
 
@@ -120,7 +121,7 @@ def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
 def _person_row(sheet: MarksFile, row: tuple[str, ...], name: str) -> PersonRow:
     """Identify the owner of a row.
 
-    Without a roster, a student's id is the beginning of the names in Canvas's archive, which
+    Without a roster, a student's ID is the beginning of the names in Canvas's archive, which
     consists of the name and the number.
     """
     certain, *others = (

@@ -77,7 +77,7 @@ def fill_column(
         Accepts a row and its points. Returns why the LMS would reject the points; empty if it would
         accept them.
     """
-    matches = match_rows([index.owner for index in owned_rows], marks.people)
+    matches = match_rows([owned_row.owner for owned_row in owned_rows], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
     failures, replaced = [], []
     for mark in marks.marks:
@@ -189,13 +189,13 @@ def find_column(
     """
     if requested_title is not None:
         indices = [
-            place for place, title in titles.items() if requested_title in (title, plain(title))
+            index for index, title in titles.items() if requested_title in (title, plain(title))
         ]
         target = f"column {requested_title!r}"
     else:
         name = letters_and_digits(assignment)
         indices = [
-            place for place, title in titles.items() if name in letters_and_digits(plain(title))
+            index for index, title in titles.items() if name in letters_and_digits(plain(title))
         ]
         target = f"column whose title contains {assignment}"
     if len(indices) == 1:

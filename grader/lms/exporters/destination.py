@@ -43,21 +43,21 @@ def write_export(
             "with --to."
         )
     try:
-        previous_content = None
+        renamed_path = None
         if path.exists() and path.read_bytes() != content:
             if path != default:
                 raise ExportError(f"{path} already exists. Delete it, or change --to.")
-            previous_content = _unused_path(path)
-            path.rename(previous_content)
+            renamed_path = _unused_path(path)
+            path.rename(renamed_path)
         try:
             write_atomically(content, path)
         except BaseException:
-            if previous_content:
-                previous_content.rename(path)
+            if renamed_path:
+                renamed_path.rename(path)
             raise
     except OSError as error:
         raise ExportError(f"{path} cannot be written: {error.strerror}.") from error
-    return path, previous_content
+    return path, renamed_path
 
 
 def _unused_path(path: Path) -> Path:

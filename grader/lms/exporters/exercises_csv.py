@@ -34,11 +34,11 @@ def export_exercises_csv(options: ExportOptions) -> ExportResult:
     table.writerow([*titles, *(f"{lesson[:2]} {mark.name}" for lesson, mark in exercises)])
     maxima = [format_points(mark.max_score) for _, mark in exercises]
     table.writerow(["out of", *[""] * (len(titles) - 1), *maxima])
-    placed = 0
+    mark_count = 0
     for person in options.results.people:
         points = [_points(results[person.id, lesson], mark.name) for lesson, mark in exercises]
         table.writerow([*person_cells(person), *points])
-        placed += any(points)
+        mark_count += any(points)
     # Without a byte order mark, Excel shows umlauts as other characters.
     content = file.getvalue().encode("utf-8-sig", "replace")
     stages = dict.fromkeys(result.stage for result in results.values())
@@ -46,7 +46,7 @@ def export_exercises_csv(options: ExportOptions) -> ExportResult:
     notes += excessive_mark_notes(options.results)
     notes += filter(None, provisional_notes(list(results.values())))
     return ExportResult(
-        content, placed, tuple(unlisted_student_notes(options.results)), tuple(notes)
+        content, mark_count, tuple(unlisted_student_notes(options.results)), tuple(notes)
     )
 
 

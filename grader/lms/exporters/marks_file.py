@@ -28,7 +28,7 @@ class MarksFile:
     rows : tuple of tuple of str
         Each row is as long as `head`.
     separator, line_end : str
-    marked : bool
+    has_byte_order_mark : bool
         Whether the file begins with a byte order mark.
     """
 
@@ -37,7 +37,7 @@ class MarksFile:
     rows: tuple[tuple[str, ...], ...]
     separator: str
     line_end: str
-    marked: bool
+    has_byte_order_mark: bool
 
     def decimal_mark(self, columns: Iterable[int]) -> str:
         """Return the decimal mark used by the numbers in some columns.
@@ -57,7 +57,7 @@ class MarksFile:
         table = csv.writer(file, delimiter=self.separator, lineterminator=self.line_end)
         for row in (self.head, *rows):
             table.writerow([row[column] for column in columns])
-        return ("\ufeff" if self.marked else "") + file.getvalue()
+        return ("\ufeff" if self.has_byte_order_mark else "") + file.getvalue()
 
 
 def read_marks_file(path: Path) -> MarksFile:
@@ -92,8 +92,10 @@ def read_marks_file(path: Path) -> MarksFile:
                 f"header has {width}. Download the file again."
             )
     head, *others = (tuple([*row, *[""] * width][:width]) for row in table.rows)
-    marked = table.encoding == "utf-8-sig"
-    return MarksFile(path.name, head, tuple(others), table.separator, table.line_end, marked)
+    has_byte_order_mark = table.encoding == "utf-8-sig"
+    return MarksFile(
+        path.name, head, tuple(others), table.separator, table.line_end, has_byte_order_mark
+    )
 
 
 def _not_utf8(path: Path) -> str:

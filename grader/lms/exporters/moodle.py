@@ -78,11 +78,12 @@ def export_moodle(options: ExportOptions) -> ExportResult:
     column = _grade_column(sheet, options.column)
     maximum = read_number(sheet.rows[0][column + 1])
     factor = scale_factor(marks, maximum, sheet.head[column], options.scale)
-    mark = sheet.decimal_mark((column + 1, column))
+    decimal_mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
     owners = _owners_of_labels(options.course, marks.people)
-    places = [OwnedRow(row, _row(row, column, hidden, owners)) for row in sheet.rows]
-    filled = fill_column(marks, places, Column(column, factor, mark), _refusal(column, maximum))
+    owned_rows = [OwnedRow(row, _row(row, column, hidden, owners)) for row in sheet.rows]
+    target = Column(column, factor, decimal_mark)
+    filled = fill_column(marks, owned_rows, target, _refusal(column, maximum))
     text = sheet.text(range(len(sheet.head)), filled.rows)
     return ExportResult(text.encode(), filled.mark_count, filled.failures, filled.notes)
 
@@ -105,8 +106,8 @@ def _grade_column(sheet: MarksFile, requested_title: str | None) -> int:
 
 def _is_grade(sheet: MarksFile, index: int) -> bool:
     """Return whether a column and the next one may contain grades and their maximum."""
-    (most, *others) = {row[index + 1] for row in sheet.rows}
-    highest = read_number(most)
+    (maximum, *others) = {row[index + 1] for row in sheet.rows}
+    highest = read_number(maximum)
     if index == 0 or others or not highest:
         return False
     grades = [row[index].strip() for row in sheet.rows]
@@ -141,7 +142,7 @@ def _row(row: tuple[str, ...], column: int, hidden: bool, owners: Mapping[str, s
 
     The first cell contains a word and Moodle's participant number, and the second contains the
     name. The next cells are fields that the site has chosen, such as e-mail address and ID number.
-    Without a roster, a student's id consists of the name and the number, as in Moodle's archive.
+    Without a roster, a student's ID consists of the name and the number, as in Moodle's archive.
     """
     fields = row[1:column]
     name = "" if hidden else row[1]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from grader.errors import UserError
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -13,8 +15,8 @@ if TYPE_CHECKING:
     from grader.lms.results import ClassResults
 
 
-class ExportError(Exception):
-    """The export is not possible; the message contains the reason and the remedy."""
+class ExportError(UserError):
+    """The export is not possible; `str()` says why and what to do."""
 
 
 @dataclass(frozen=True)

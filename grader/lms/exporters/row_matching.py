@@ -137,11 +137,11 @@ def _passes(
 
     yield ids_without_contradiction
     for rank in range(1, max((len(row.claims) for row in rows), default=0)):
-        yield lambda place, rank=rank: ids_with_key(place, rank)
-    yield lambda place: {
+        yield lambda index, rank=rank: ids_with_key(index, rank)
+    yield lambda index: {
         person.id
-        for person in roster.find_people(rows[place].name)
-        if not has_other_lms_id(person, rows[place].lms_id)
+        for person in roster.find_people(rows[index].name)
+        if not has_other_lms_id(person, rows[index].lms_id)
     }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
-from grader.questions.kinds.trace import _keeps_lines
+from grader.questions.kinds.trace import keeps_lines
 from grader.questions.kinds.wording import format_times
 from grader.questions.question import CountClaim, Question
 from utils.questions.cases import shown_code, shown_together
@@ -27,8 +27,8 @@ def cost_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             continue
         yield from _counts(behaviour, number, case.code, "", random)
         if case.larger:
-            second = len(behaviour.cases) + larger.index(case)
-            yield from _counts(behaviour, second, case.larger, case.code, random, number)
+            larger_number = len(behaviour.cases) + larger.index(case)
+            yield from _counts(behaviour, larger_number, case.larger, case.code, random, number)
 
 
 def _counts(
@@ -37,23 +37,25 @@ def _counts(
     code: str,
     smaller: str,
     random: Random,
-    first: int | None = None,
+    smaller_number: int | None = None,
 ) -> Iterator[Question]:
+    """Ask how often lines run in a case; with `smaller`, also show the smaller case's count."""
     run = behaviour.own[number]
-    # A part of the other lines may run more often than the line itself.
+    # The count of a line with a comprehension would be ambiguous, because parts of the line may run
+    # more often than the line itself.
     lines = {
         statement.first for statement in behaviour.statements if not behaviour.loops(statement)
     }
     for line in sorted(lines & run.counts.keys()):
         right = run.counts[line]
-        before = behaviour.own[first].counts.get(line, 0) if smaller else 0
+        before = behaviour.own[smaller_number].counts.get(line, 0) if smaller else 0
         is_call_count = right == _calls(behaviour, run.counts)
         if not 1 < right <= MAX_COUNT or is_call_count or (smaller and before < 1):
             continue
         others = [
             runs[number].counts.get(line, 0)
             for edit, runs in behaviour.edited.items()
-            if number < len(runs) and _keeps_lines(edit)
+            if number < len(runs) and keeps_lines(edit)
         ]
         others += run.counts.values()
         others += [before, 2 * before, 4 * before, right + 1] if smaller else [right - 1, right + 1]
@@ -83,13 +85,13 @@ def _counts(
 def _calls(behaviour: Behaviour, counts: dict[int, int]) -> int:
     """Return how often the exercise is called: as often as its first statement runs."""
     definition = re.compile(rf"\s*def {behaviour.answer.exercise}\(")
-    begin = next((line.number for line in behaviour.lines if definition.match(line.text)), 0)
-    first = min((one.first for one in behaviour.statements if one.first > begin), default=0)
-    return counts.get(first, 0)
+    def_line = next((line.number for line in behaviour.lines if definition.match(line.text)), 0)
+    starts = (statement.first for statement in behaviour.statements)
+    return counts.get(min((start for start in starts if start > def_line), default=0), 0)
 
 
 def _with_difference(code: str, smaller: str) -> str:
-    """Return a larger case with a comment if only one of its lines differs from the smaller one."""
+    """Return a larger case; if only one of its lines is new, add a comment to that line."""
     lines, others = code.split("\n"), smaller.split("\n")
     different = [number for number, line in enumerate(lines) if line not in others]
     if len(lines) > len(different) == 1:

@@ -69,12 +69,12 @@ def _values_in_edited_versions(
     behaviour: Behaviour, case: int, line: int, name: str, turn: int
 ) -> Iterator[str]:
     for edit, runs in behaviour.edited.items():
-        if case < len(runs) and _keeps_lines(edit):
+        if case < len(runs) and keeps_lines(edit):
             values = runs[case].values(line, name)
             if turn < len(values):
                 yield values[turn]
 
 
-def _keeps_lines(edit: Edit) -> bool:
+def keeps_lines(edit: Edit) -> bool:
     """Return whether the lines below an edit keep their numbers."""
     return edit.after.count("\n") == edit.last - edit.first

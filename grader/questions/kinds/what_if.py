@@ -89,8 +89,8 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
 def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> str:
     """Return the letters of the calls whose value an edit changes; empty without a fair question.
 
-    It is too easy if all values change or none does, and too hard if a value is an error, does not
-    suit paper or is the reversed vector.
+    A question is too easy if all values change or none does. It is too hard if a value is an error,
+    cannot be computed on paper or is the reversed vector.
     """
     if any(
         number >= len(runs) or not _is_clear(own[number].outcome, runs[number].outcome)

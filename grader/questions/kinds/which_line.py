@@ -30,11 +30,11 @@ def which_line_questions(behaviour: Behaviour, random: Random) -> Iterator[Quest
     """Ask which of several changes gives a result, and which line does not run."""
     for number, case in enumerate(behaviour.cases):
         if not case.run:
-            yield from _without_run(behaviour, number, random)
-            yield from _with_symptom(behaviour, number, random)
+            yield from _idle_line_questions(behaviour, number, random)
+            yield from _symptom_questions(behaviour, number, random)
 
 
-def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
+def _symptom_questions(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
     case, own = behaviour.cases[number], behaviour.own[number].outcome
     if not is_value(own):
         return
@@ -111,7 +111,7 @@ def _choice(edit: Edit) -> str:
 
 
 def _reveals_cause(symptom: str, own: str, case: Case) -> bool:
-    """Return whether only an operation on all numbers, such as a sign or a root, has a result."""
+    """Return whether a wrong result alone shows which operation was changed, such as a sign."""
     is_changed = is_selection(own, case.code) and not is_selection(symptom, case.code)
     is_reversed = same_answer(symptom, reversed_vector(own)) or symptom == f"-{own}"
     return adds_nan(symptom, own) or is_changed or is_reversed
@@ -125,7 +125,7 @@ def _effect(outcome: str) -> str:
     return f"the result is {quote_code(outcome)}"
 
 
-def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
+def _idle_line_questions(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
     case, counts = behaviour.cases[number], behaviour.own[number].counts
     lines = [statement.first for statement in behaviour.statements]
     idle = [line for line in lines if not counts.get(line)]

@@ -1,7 +1,8 @@
 """Recognise names of the standard library that the running Python is too old to have.
 
-Such a name raises an exception here, although the code is right. A name that the code uses only
-after a test or in a ``try`` statement proves nothing, because the code may work without it.
+Such a name raises an exception here, although the code is right. A name in a ``try`` statement that
+handles errors proves nothing, because the code may work without it. The same holds for all names if
+the code mentions ``hasattr``, ``getattr`` or ``version_info``.
 """
 
 from __future__ import annotations

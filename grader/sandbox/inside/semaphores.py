@@ -17,12 +17,12 @@ class SemLock(_multiprocessing.SemLock):
     def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
         """Acquire the semaphore; return False if it is not free in time."""
         end = None if timeout is None else time.monotonic() + timeout
-        pause = MIN_DELAY
+        delay = MIN_DELAY
         while not super().acquire(False):
             if not block or (end is not None and time.monotonic() >= end):
                 return False
-            time.sleep(pause)
-            pause = min(2 * pause, MAX_DELAY)
+            time.sleep(delay)
+            delay = min(2 * delay, MAX_DELAY)
         return True
 
     def __enter__(self) -> bool:

@@ -6,14 +6,16 @@ The main reasons are:
   process, so process limits do not count it.
 - A user namespace gives ordinary users root's view of the kernel.
 - Keyrings are inherited from the instructor's session.
-- Virtual sockets reach the host even from a namespace.
+- Virtual sockets (AF_VSOCK) reach the host even from a namespace.
 - All notebooks see the same files. Notebooks could exchange messages through locks, watches, hints
   and futexes on these files, or by choosing which pages of the files are in memory.
 
 A seccomp filter makes these calls fail with "no such system call", in this process and in all
-processes that it starts. A request to ignore SIGCHLD appears to succeed but does nothing.
-Otherwise student code could hide processor time, because the kernel adds a child's time only when
-its parent waits for it.
+processes that it starts. Two kinds of calls return without doing anything instead:
+
+- Calls that wait for a shared futex, or wake processes that wait for it.
+- Calls that change the action for SIGCHLD. By ignoring this signal, student code could hide
+  processor time, because the kernel adds a child's time only when its parent waits for it.
 
 The filter is a BPF program; see seccomp(2) and ``linux/filter.h``.
 """
@@ -24,7 +26,7 @@ import os
 import sys
 from collections.abc import Iterator
 
-# For each architecture, its number in linux/audit.h and the numbers of its system calls.
+# For each architecture, its AUDIT_ARCH number in linux/audit.h and its system call numbers.
 MACHINES = {
     "x86_64": (
         0xC000003E,
@@ -140,34 +142,39 @@ MACHINES = {
 }
 # These calls are allowed only with some values of an argument.
 LIMITED_CALLS = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
-NEW_USER_NAMESPACE = 0x10000000
-ORDINARY_SOCKETS = (1, 2, 10)  # UNIX, IPv4, IPv6: harmless in a sandbox without a network
+CLONE_NEWUSER = 0x10000000
+# These sockets are harmless in a sandbox without a network.
+AF_UNIX, AF_INET, AF_INET6 = 1, 2, 10
 # Commands of fcntl for descriptors and their flags, but not for locks, leases, watches or hints.
-ORDINARY_CONTROLS = (0, 1, 2, 3, 4, 1030)
+F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC = 0, 1, 2, 3, 4, 1030
 # Requests of ioctl with the letter "T" are for terminals, pipes and sockets. Requests for file
 # systems are denied, because notebooks could exchange messages through a file system's settings.
-KIND_OF_REQUEST, ORDINARY_REQUESTS = 0xFF00, 0x5400
+IOCTL_TYPE_MASK, TERMINAL_IOCTLS = 0xFF00, ord("T") << 8
 # Values of madvise that merge equal pages, remove pages from memory, or build huge pages.
-MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
-MERGE_ALL = 67
+MADV_MERGEABLE, MADV_COLD, MADV_PAGEOUT, MADV_COLLAPSE = 12, 20, 21, 25
+PR_SET_MEMORY_MERGE = 67
 # A futex without this flag may be on a page of a shared file.
-PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
-WAIT_OPERATIONS, WAKE_OPERATIONS = (0, 9), (1, 10)
-# SIGCHLD. If a parent ignores it, the kernel discards the processor time of its children.
-END_OF_A_CHILD = 17
+FUTEX_PRIVATE_FLAG, FUTEX_CMD_MASK = 128, 127
+FUTEX_WAIT, FUTEX_WAIT_BITSET, FUTEX_WAKE, FUTEX_WAKE_BITSET = 0, 9, 1, 10
+# If a parent ignores this signal, the kernel discards the processor time of its children.
+SIGCHLD = 17
 
+# Operations of BPF, without the prefix BPF_: LD|W|ABS, ALU|AND|K, RET|K.
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
+# Jumps of BPF: JMP|JEQ|K, JMP|JGE|K, JMP|JSET|K.
 _IF_EQUAL, _IF_AT_LEAST, _IF_ANY_BIT = 0x15, 0x35, 0x45
-_NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT, _SIZE_OF_HALF = 0, 4, 16, 8, 4
-_FOREIGN_NUMBERS = 0x40000000  # x32 system calls on x86_64
-_SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
-_ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
-_ANSWER = 0x00050000  # combined with an error number, or with 0 for success
+# Offsets of `nr`, `arch` and `args` in the kernel's struct seccomp_data, and sizes, in bytes.
+_NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT, _SIZE_OF_HALF = 0, 4, 16, 8, 4
+X32_SYSCALL_BIT = 0x40000000  # marks the calls of another set of numbers on x86_64
+PR_SET_SECCOMP, PR_SET_NO_NEW_PRIVS, SECCOMP_MODE_FILTER = 22, 38, 2
+SECCOMP_RET_ALLOW = 0x7FFF0000
+SECCOMP_RET_ERRNO = 0x00050000  # combined with an error number, or with 0 for success
+_ALLOW = (_RETURN, 0, 0, SECCOMP_RET_ALLOW)
 # "No such system call". Libraries have a fallback for this error, because old kernels return it.
-_DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
+_DENY = (_RETURN, 0, 0, SECCOMP_RET_ERRNO | errno.ENOSYS)
 # A wait returns at once, which callers must always expect. A wake-up does not wake any process.
-_AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
-_DONE = (_RETURN, 0, 0, _ANSWER)
+_AGAIN = (_RETURN, 0, 0, SECCOMP_RET_ERRNO | errno.EAGAIN)
+_DONE = (_RETURN, 0, 0, SECCOMP_RET_ERRNO)
 
 
 class _FilterProgram(ctypes.Structure):
@@ -200,8 +207,8 @@ def install_filter(*, sockets: bool = True) -> None:
     program = _FilterProgram(len(code) // 8, code)
     prctl = ctypes.CDLL(None, use_errno=True).prctl
     nothing = ctypes.c_ulong(0)
-    if prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), nothing, nothing, nothing) or prctl(
-        _SET_SECCOMP, ctypes.c_ulong(_FILTER), ctypes.byref(program), nothing, nothing
+    if prctl(PR_SET_NO_NEW_PRIVS, ctypes.c_ulong(1), nothing, nothing, nothing) or prctl(
+        PR_SET_SECCOMP, ctypes.c_ulong(SECCOMP_MODE_FILTER), ctypes.byref(program), nothing, nothing
     ):
         number = ctypes.get_errno()
         raise OSError(number, f"seccomp: {os.strerror(number)}")
@@ -212,12 +219,12 @@ _Instruction = tuple[int, int, int, int]
 
 def _filter_instructions(machine: str, sockets: bool) -> Iterator[_Instruction]:
     """Yield instructions: operation, number to skip if true, number to skip if false, value."""
-    name, numbers = MACHINES[machine]
-    yield _LOAD, 0, 0, _MACHINE
-    yield _IF_EQUAL, 1, 0, name
+    architecture, numbers = MACHINES[machine]
+    yield _LOAD, 0, 0, _ARCHITECTURE
+    yield _IF_EQUAL, 1, 0, architecture
     yield _DENY
     yield _LOAD, 0, 0, _NUMBER
-    yield _IF_AT_LEAST, 0, 1, _FOREIGN_NUMBERS
+    yield _IF_AT_LEAST, 0, 1, X32_SYSCALL_BIT
     yield _DENY
     for limited, rule in _rules(sockets).items():
         yield _IF_EQUAL, 0, len(rule), numbers[limited]
@@ -234,34 +241,39 @@ def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
     return {
         "futex": [
             _load_argument(1),
-            *_answer_if(_ALLOW, _IF_ANY_BIT, PRIVATE_FUTEX),
-            (_AND, 0, 0, COMMAND_OF_FUTEX),
-            *_answer_if(_AGAIN, _IF_EQUAL, *WAIT_OPERATIONS),
-            *_answer_if(_DONE, _IF_EQUAL, *WAKE_OPERATIONS),
+            *_answer_if(_ALLOW, _IF_ANY_BIT, FUTEX_PRIVATE_FLAG),
+            (_AND, 0, 0, FUTEX_CMD_MASK),
+            *_answer_if(_AGAIN, _IF_EQUAL, FUTEX_WAIT, FUTEX_WAIT_BITSET),
+            *_answer_if(_DONE, _IF_EQUAL, FUTEX_WAKE, FUTEX_WAKE_BITSET),
             _DENY,
         ],
         "madvise": [
             _load_argument(2),
-            *_answer_if(_DENY, _IF_EQUAL, MERGEABLE, COLD, PAGE_OUT, COLLAPSE),
+            *_answer_if(_DENY, _IF_EQUAL, MADV_MERGEABLE, MADV_COLD, MADV_PAGEOUT, MADV_COLLAPSE),
             _ALLOW,
         ],
-        "fcntl": [_load_argument(1), *_answer_if(_ALLOW, _IF_EQUAL, *ORDINARY_CONTROLS), _DENY],
+        "fcntl": [
+            _load_argument(1),
+            *_answer_if(_ALLOW, _IF_EQUAL, F_DUPFD, F_GETFD, F_SETFD),
+            *_answer_if(_ALLOW, _IF_EQUAL, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC),
+            _DENY,
+        ],
         "ioctl": [
             _load_argument(1),
-            (_AND, 0, 0, KIND_OF_REQUEST),
-            *_answer_if(_ALLOW, _IF_EQUAL, ORDINARY_REQUESTS),
+            (_AND, 0, 0, IOCTL_TYPE_MASK),
+            *_answer_if(_ALLOW, _IF_EQUAL, TERMINAL_IOCTLS),
             _DENY,
         ],
-        "clone": [_load_argument(0), *_answer_if(_DENY, _IF_ANY_BIT, NEW_USER_NAMESPACE), _ALLOW],
+        "clone": [_load_argument(0), *_answer_if(_DENY, _IF_ANY_BIT, CLONE_NEWUSER), _ALLOW],
         "socket": [
             _load_argument(0),
-            *_answer_if(_ALLOW, _IF_EQUAL, *(ORDINARY_SOCKETS if sockets else ())),
+            *_answer_if(_ALLOW, _IF_EQUAL, *((AF_UNIX, AF_INET, AF_INET6) if sockets else ())),
             _DENY,
         ],
-        "prctl": [_load_argument(0), *_answer_if(_DENY, _IF_EQUAL, MERGE_ALL), _ALLOW],
+        "prctl": [_load_argument(0), *_answer_if(_DENY, _IF_EQUAL, PR_SET_MEMORY_MERGE), _ALLOW],
         "rt_sigaction": [
             _load_argument(0),
-            *_answer_unless(END_OF_A_CHILD, _ALLOW),
+            *_answer_unless(SIGCHLD, _ALLOW),
             # With a null pointer, the call only reads the current action.
             _load_argument(1),
             *_answer_unless(0, _DONE),

@@ -61,11 +61,11 @@ def send(descriptor: int, value: object, time_limit: Callable[[], float] | None 
     """
     view = memoryview(wire_format.encode(value))
     while view:
-        pause = time_limit and time_limit()
+        seconds_left = time_limit and time_limit()
         try:
             view = view[os.write(descriptor, view) :]
         except BlockingIOError:
-            _wait(descriptor, pause, select.POLLOUT)
+            _wait(descriptor, seconds_left, select.POLLOUT)
         except BrokenPipeError:
             raise WireClosed from None
 
@@ -112,11 +112,11 @@ def _read(descriptor: int, size: int, time_limit: Callable[[], float] | None) ->
     missing = memoryview(data)
     while missing:
         # The limit applies even if the data arrive one byte at a time.
-        pause = time_limit and time_limit()
+        seconds_left = time_limit and time_limit()
         try:
             count = os.readv(descriptor, [missing])
         except BlockingIOError:
-            _wait(descriptor, pause, select.POLLIN)
+            _wait(descriptor, seconds_left, select.POLLIN)
             continue
         if not count:
             raise WireClosed

@@ -1,10 +1,10 @@
 """Encode and decode plain data; student code and the judge exchange nothing else.
 
 A message is a JSON tree followed by the bytes of its arrays. It can contain numbers, strings,
-containers, arrays of a plain dtype and NumPy's default random generators. Any other value arrives
-as an `OpaqueValue`, which contains only the name of its type, and only if that is a type of Python
-or NumPy. The other end may be hostile, so nothing is unpickled, and every size is checked before
-memory is allocated.
+containers, arrays of a plain dtype and NumPy's default random generators. Other sequences and
+array-like objects arrive as lists or arrays. Any other value arrives as an `OpaqueValue`, which
+contains only the name of its type, and only if that is a type of Python or NumPy. The other end may
+be hostile, so nothing is unpickled, and every size is checked before memory is allocated.
 """
 
 import builtins
@@ -335,9 +335,9 @@ def _is_within_limits(tree: bytes) -> bool:
     if tree.count(b'"') - tree.count(b'\\"') > 2 * MAX_COMMAS:  # each string is a value
         return False
     for text in _TEXT.finditer(tree):
-        begin, end = text.span()
-        commas -= tree.count(b",", begin, end)
-        brackets -= tree.count(b"[", begin, end) + tree.count(b"{", begin, end)
+        start, end = text.span()
+        commas -= tree.count(b",", start, end)
+        brackets -= tree.count(b"[", start, end) + tree.count(b"{", start, end)
     return commas <= MAX_COMMAS and brackets <= MAX_BRACKETS
 
 

@@ -11,6 +11,7 @@ import ast
 import builtins
 import contextlib
 import dataclasses
+import importlib
 import operator
 import os
 import resource
@@ -108,6 +109,7 @@ def main(read_end: int, write_end: int) -> None:
     namespace = make_namespace()
     failures = run(needed, namespace)
     add_missing_methods(redefined, notebook["given"]["source"], namespace)
+    import_in_advance(definitions)
     missing = undefined_names(namespace, notebook["names"], redefined)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
@@ -241,13 +243,13 @@ def _remove_given_code(
     as_released = {ast.dump(statement.node): statement for statement in released}
     kept, redefined = [], set()
     for position, statement in enumerate(statements):
-        about = (statement.binds | statement.changes) & given_names
-        same = as_released.get(ast.dump(statement.node)) if about else None
-        if same:
-            kept.append(same)
-        elif about and about <= may_change and position < end:
+        affected = (statement.binds | statement.changes) & given_names
+        unchanged = as_released.get(ast.dump(statement.node)) if affected else None
+        if unchanged:
+            kept.append(unchanged)
+        elif affected and affected <= may_change and position < end:
             kept.append(statement)
-            redefined |= about
+            redefined |= affected
         elif not statement.changes & given_names and not (
             statement.binds and statement.binds <= given_names
         ):
@@ -269,12 +271,12 @@ def add_missing_methods(redefined: Iterable[str], source: str, namespace: dict) 
     """
     if not redefined:
         return
-    lessons = {}
+    lesson_namespace = {}
     with contextlib.suppress(BaseException):  # a metaclass may raise, or a name may not be a class
         for statement in slicing.parse_notebook([source])[0]:
-            exec(slicing.compile_statement(statement, "the lesson"), namespace, lessons)
+            exec(slicing.compile_statement(statement, "the lesson"), namespace, lesson_namespace)
         for name in redefined:
-            for member, value in vars(lessons[name]).items():
+            for member, value in vars(lesson_namespace[name]).items():
                 is_method = isinstance(value, types.FunctionType) and not member.startswith("_")
                 if is_method and not hasattr(namespace[name], member):
                     setattr(namespace[name], member, value)
@@ -330,6 +332,17 @@ def definitions_of(
     ]
 
 
+def import_in_advance(definitions: list[slicing.Statement]) -> None:
+    """Import the modules that functions import when they are called.
+
+    In the search for an edit, each call has a short time limit. An import that is interrupted there
+    could leave a module unusable for all further edits.
+    """
+    for _, module in slicing.imported_modules(definitions):
+        with contextlib.suppress(BaseException):  # the name may also belong to a function
+            importlib.import_module(module)
+
+
 def define_with_edit(
     edit: Edit, definitions: list[slicing.Statement], namespace: dict
 ) -> dict | None:
@@ -340,8 +353,9 @@ def define_with_edit(
     try:
         node = ast.parse(edit.statement).body[0]
         for statement in definitions:
-            ends = statement.node.lineno <= edit.last and edit.first <= statement.node.end_lineno
-            if statement.cell == edit.cell and ends:
+            node_before = statement.node
+            overlaps = node_before.lineno <= edit.last and edit.first <= node_before.end_lineno
+            if statement.cell == edit.cell and overlaps:
                 statement = dataclasses.replace(statement, node=node)
             exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), namespace)
     except BaseException as error:
@@ -420,8 +434,8 @@ def handle_request(request: dict, namespace: dict, objects: dict[int, object]) -
 
     A request names a function of the notebook, or a method or attribute of an object. Objects are
     identified by the number in an earlier reply. Dots separate nested attributes. With `each`,
-    there are several calls, and the result is a list. `seconds` limits their time unless it is
-    None.
+    there are several calls, and the result is a list. With `observe`, the reply also describes the
+    arguments after the call. `seconds` limits the time of all calls unless it is None.
     """
     try:
         if request["object"] is None:
@@ -563,7 +577,7 @@ def describe(error: BaseException) -> dict:
     """Return plain data about an exception: type, message, and lines of the notebook.
 
     `place` and `function` are the innermost line and function of the notebook in the traceback.
-    `call_places` lists the lines of the calling functions, the outermost first.
+    `through` lists the lines of the calling functions, the outermost first.
     """
     places, function, trace = {}, None, error.__traceback__
     while trace is not None:
@@ -594,10 +608,10 @@ def describe(error: BaseException) -> dict:
 
 def serve(read_end: int, write_end: int) -> None:
     """Call `main` with standard input, output and error connected to the null device."""
-    silence = os.open(os.devnull, os.O_RDWR)
+    null_device = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
-        os.dup2(silence, standard)
-    os.close(silence)
+        os.dup2(null_device, standard)
+    os.close(null_device)
     main(read_end, write_end)
 
 

@@ -912,12 +912,12 @@ def detect_stream(scans, search):
 # **The naive idea** is to search in the first frame only, and then to trust the road of the last frame:
 
 # %%
-def search_anew(low, samples, tolerance, road):
+def search_from_scratch(low, samples, tolerance, road):
     return *best_plane(low, samples, tolerance), len(samples) * len(low)
 
 
 def trust_last(low, samples, tolerance, road):
-    return (road, len(low), 0) if road.any() else search_anew(low, samples, tolerance, road)
+    return (road, len(low), 0) if road.any() else search_from_scratch(low, samples, tolerance, road)
 
 
 if ready(count_near, root_of, unite, any_close, snuggest_turn):
@@ -991,7 +991,7 @@ def detect_all(search):
 
 
 if ready(count_near, root_of, unite, any_close, snuggest_turn):
-    searches = {"search anew": search_anew, "give up early": give_up_early,
+    searches = {"search from scratch": search_from_scratch, "give up early": give_up_early,
                 "give up early, remember the road": remember_road}
     found = {name: detect_all(search) for name, search in searches.items()}
     # In turn, so that other programs slow down all searches alike; the least time is the fairest.

@@ -17,7 +17,7 @@ from utils.checks.diagnosis import diagnose, known_mistakes
 from utils.checks.waiting_cells import ready
 
 (LESSON,) = (lesson for lesson in optional_lessons() if lesson.number == "13")
-ANSWERS = [(name, variant) for name in LESSON.steps for variant in answers_to(f"{name}")]
+ANSWERS = [(name, variant) for name in LESSON.steps for variant in answers_to(name)]
 RIGHT = [(name, variant) for name, variant in ANSWERS if variant.right]
 
 
@@ -51,7 +51,7 @@ def test_each_step_has_checks_and_gives_no_points():
     for name in LESSON.steps:
         assert text.count(f"\ncheck({name})\n") == 1 and len(notes_of(name)) == 1
         assert {check.lesson for check in checks_of(name)} == {"lesson_13"}
-        right = [variant.right for variant in answers_to(f"{name}")]
+        right = [variant.right for variant in answers_to(name)]
         assert sum(right) >= 5 and len(right) - sum(right) >= 8
 
 
@@ -139,7 +139,7 @@ def test_a_wrong_helper_is_named(numba, capsys):
         ("root_of", "returns the parent"),
         ("unite", "the hints followed to the letter"),
     ):
-        (variant,) = (answer for answer in answers_to(f"{name}") if answer.name == answer_name)
+        (variant,) = (answer for answer in answers_to(name) if answer.name == answer_name)
         exec(f"@njit\n{variant.source}", names)
     with pytest.raises(ChecksFailed):
         check(names["unite"])

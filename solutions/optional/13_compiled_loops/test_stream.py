@@ -17,7 +17,7 @@ FUNCTIONS = (
     "give_up_early",
     "misses_below",
     "remember_road",
-    "search_anew",
+    "search_from_scratch",
     "trust_last",
 )
 LEVEL = np.array([0.0, 0.0, 1.0, 1.73])
@@ -73,7 +73,7 @@ def test_no_memory_changes_the_plane(python_functions, seed):
     samples[[0, 4]] = [[5, 5, 9], [8, 2, 8]]  # twice the same point
     counts = (distances_to_samples(points, samples) <= 0.23).sum(axis=1)
     best = samples[counts.argmax()]
-    samples = np.vstack([samples, best[::-1], best[[1, 2, 0]]])  # draws, which the first must win
+    samples = np.vstack([samples, best[::-1], best[[1, 2, 0]]])  # ties, which the first must win
     plane, count = python_functions.best_plane(points, samples, 0.23)
     assert count == counts.max() < 700
     assert np.allclose(points[best] @ plane[:3] + plane[3], 0)
@@ -140,7 +140,7 @@ def test_the_memory_saves_work_while_it_is_right(python_functions, city, monkeyp
 
     # A loop in plain Python would take minutes.
     monkeypatch.setitem(python_functions.best_plane.__globals__, "count_near", count_by_numpy)
-    searches = ("search_anew", "give_up_early", "remember_road")
+    searches = ("search_from_scratch", "give_up_early", "remember_road")
     road, work = np.zeros(4), []
     for cloud in (*city, tilted(city[2], 3), tilted(city[2], 3)):
         low = below_ground_level(cloud)
@@ -149,14 +149,14 @@ def test_the_memory_saves_work_while_it_is_right(python_functions, city, monkeyp
         assert all(np.array_equal(plane, found[0][0]) for plane, _, _ in found)
         road = found[0][0]
         work.append([computed / found[0][2] for _, _, computed in found])
-    anew, early, remembered = np.transpose(work)
-    assert (anew == 1).all() and (early < 0.7).all()
+    from_scratch, early, remembered = np.transpose(work)
+    assert (from_scratch == 1).all() and (early < 0.7).all()
     assert remembered[0] == pytest.approx(early[0] + 1 / 50, rel=0.01)  # nothing to remember yet
     steady = [1, 2, 4]
     assert (remembered[steady] < early[steady]).all()
     assert remembered[steady].sum() < 0.9 * early[steady].sum()
     assert 0.95 < remembered[3] / early[3] < 1.2  # the road has jumped
-    assert (anew - early).sum() > 2 * (early - remembered).sum()  # most of the gain
+    assert (from_scratch - early).sum() > 2 * (early - remembered).sum()  # most of the gain
 
 
 def test_most_voxels_are_new_in_the_next_frame(city):

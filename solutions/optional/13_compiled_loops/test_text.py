@@ -93,9 +93,9 @@ def test_path_halving_is_drawn_as_it_happens(python_functions):
 def test_the_counting_sort_is_drawn_as_it_happens(python_functions):
     cell = cell_with("Draw a counting sort")
     numbers = np.array(ast.literal_eval(re.search(r"numbers = np\.array\((.*?)\)", cell)[1]))
-    begins = [(np.sort(numbers) == value).argmax() for value in range(4)]
+    expected = [(np.sort(numbers) == value).argmax() for value in range(4)]
     starts = np.cumsum(np.bincount(numbers)) - np.bincount(numbers)
-    assert starts.tolist() == begins
+    assert starts.tolist() == expected
     assert (
         python_functions.ascending(numbers).tolist() == np.argsort(numbers, kind="stable").tolist()
     )

@@ -14,24 +14,27 @@ from extension import samples
 from grader.judging.hidden_tests import hidden
 from utils.checks.assertions import CheckFailed, call_each
 from utils.checks.failures import fixed
-from utils.checks.lesson_02 import (
-    as_line_and_mask,
-    assert_line_distances,
-    assert_mask_matches_line,
+from utils.checks.lesson_02.line_through import (
     assert_no_line,
-    assert_no_round_is_missing,
-    assert_nothing_found,
     assert_on_line,
-    assert_two_points_are_enough,
     assert_unit_normal,
-    distances_from,
-    follows_wall,
+    require_slanted_lines,
+)
+from utils.checks.lesson_02.lines import distances_from
+from utils.checks.lesson_02.point_line_distance import assert_line_distances
+from utils.checks.lesson_02.point_line_distance import require_plain_distances as assert_plain_case
+from utils.checks.lesson_02.ransac_line import (
+    assert_no_round_is_missing,
+    assert_two_points_are_enough,
     lines_from_two_rounds,
     require_line_among_outliers,
-    require_slanted_lines,
-    wall_and_clutter,
 )
-from utils.checks.lesson_02 import require_plain_distances as assert_plain_case
+from utils.checks.lesson_02.results import (
+    as_line_and_mask,
+    assert_mask_matches_line,
+    assert_nothing_found,
+)
+from utils.checks.lesson_02.runs import follows_wall, wall_and_clutter
 
 
 def random_pairs(seed, n, reach=20.0):

@@ -195,8 +195,8 @@ def test_two_walls_of_the_street_are_found(lesson_run):
         found.append((inliers.sum(), np.ptp(left_over[inliers, 0])))
         along = left_over[inliers, 0]
         left_over, is_wall = left_over[~inliers], is_wall[~inliers]
-    (most, short), (fewer, long) = found  # both walls run along x
-    assert most > 1.3 * fewer and long > 1.3 * short
+    (most, short_length), (fewer, long_length) = found  # both walls run along x
+    assert most > 1.3 * fewer and long_length > 1.3 * short_length
     # The second line follows house fronts on both sides of the first wall.
     assert min((along < -3).sum(), (along > 13).sum()) > 200
     assert not ((along > -2) & (along < 13)).any()
@@ -213,7 +213,7 @@ def test_the_scikit_learn_example_finds_the_wall(lesson_run):
 
 
 def best_line(lesson_run, points, rounds, threshold, rng, score, second=None):
-    """Run RANSAC with `score`, and draw the second point from near or far ones if asked."""
+    """Run RANSAC with `score`; `second` may restrict the second points to "near" or "far" ones."""
     line_through, distance = (
         lesson_run.names["line_through"],
         lesson_run.names["point_line_distance"],

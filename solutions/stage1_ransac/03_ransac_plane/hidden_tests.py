@@ -248,11 +248,10 @@ def tilt(cloud, rng):
     """Return the cloud as seen by a scanner mounted at a random angle and height."""
     lean, heading = rng.uniform(0.2, 0.7), rng.uniform(0, 2 * np.pi)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
-    upright = np.cross(axis, [0.0, 0.0, 1.0])
-    across = np.array([0.0, 0.0, 1.0])
-    frame = np.column_stack([axis, upright, across])
+    up = np.array([0.0, 0.0, 1.0])
+    basis = np.column_stack([axis, np.cross(axis, up), up])
     cosine, sine = np.cos(lean), np.sin(lean)
-    turn = frame @ np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]]) @ frame.T
+    turn = basis @ np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]]) @ basis.T
     return np.column_stack([cloud[:, :3] @ turn.T + [0.0, 0.0, rng.uniform(-3, 3)], cloud[:, 3:]])
 
 
@@ -333,7 +332,7 @@ def test_finds_planes_in_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(6):
         points, on_plane = scattered_plane(seed + run, 40, 25, random_plane(rng))
-        # One sample in five has three well-placed inliers: 0.81^120 < 1e-10.
+        # At least 19 samples in 100 have three well-placed inliers: 0.81^120 < 1e-10.
         answer = student.ransac_plane(points.copy(), 120, 0.2, np.random.default_rng(run))
         assert_finds_plane(answer, points, 0.2, on_plane)
         assert_marks(answer, points, 0.2)
@@ -348,7 +347,7 @@ def test_finds_planes_in_any_direction(student, seed):
 def test_finds_planes_among_many_outliers(student, seed):
     for run in range(2):
         points, on_plane = scattered_plane(seed + 10 + run, 25, 50)
-        # One sample in 36 has three well-placed inliers: 0.972^850 < 1e-10.
+        # At least one sample in 36 has three well-placed inliers: 0.972^850 < 1e-10.
         answer = student.ransac_plane(points.copy(), 850, 0.2, np.random.default_rng(run))
         assert_finds_plane(answer, points, 0.2, on_plane, share=0.85)
         assert_marks(answer, points, 0.2)
@@ -396,8 +395,8 @@ def test_uses_the_tolerance(student, seed):
 def test_draws_three_different_rows(student, seed):
     rng = np.random.default_rng(seed)
     require_plane_among_outliers(student.ransac_plane)
-    # Four corners, alternately high and low. All planes through three of them are nearly level,
-    # because an answer may reject steep planes.
+    # Four corners, alternately high and low. An answer may reject steep planes, so the heights
+    # differ so little that every plane through three corners is nearly level.
     corners = np.array([[9.0, 0, 0.4], [0, 9, -0.4], [-9, 0, 0.4], [0, -9, -0.4]])
     corners[:, :2] += rng.uniform(-2, 2, (4, 2))
     assert_rows_differ(student.ransac_plane, corners + [*rng.uniform(-20, 20, 2), -1.7])
@@ -426,7 +425,7 @@ def test_finds_planes_in_any_array(student, seed):
     for run, form in enumerate(forms):
         points, on_plane = scattered_plane(seed + 40 + run, 40, 20, columns=4)
         variant = form(points)
-        # More than one sample in five has three inliers: 0.77^90 < 1e-10.
+        # At least 23 samples in 100 have three well-placed inliers: 0.77^90 < 1e-10.
         assert_finds_plane(
             student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, on_plane
         )
@@ -445,7 +444,7 @@ def test_finds_planes_in_any_array(student, seed):
 def test_continues_after_degenerate_samples(student, seed):
     for run in range(6):
         points, on_plane = ramp_with_collinear_points(np.random.default_rng(seed + run))
-        # Four samples in ten define a plane, always the right one: 0.6^60 < 1e-13.
+        # At least four samples in ten define a plane, always the right one: 0.6^60 < 1e-13.
         answer = student.ransac_plane(points.copy(), 60, 0.1, np.random.default_rng(run))
         assert_finds_plane(answer, points, 0.1, on_plane)
 

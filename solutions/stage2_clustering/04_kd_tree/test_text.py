@@ -39,51 +39,53 @@ def prose():
 
 
 def test_a_strip_along_one_axis_contains_far_too_many_points():
-    space = lesson_names()
-    near = space["is_near"].sum()
+    lesson = lesson_names()
+    near = lesson["is_near"].sum()
     assert "A cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
     truth = np.load(DATA / "cloud_truth.npz")
-    ego_car = np.hypot(*space["cloud"][:, :2].T) < 2
-    kinds = truth["classes"][(space["cloud"][:, 2] > -1.2) & ~ego_car]
-    in_strip = np.abs(space["obstacles"][:, 0] - space["post"][0]) <= space["half_a_metre"]
-    seen = in_strip & (np.abs(space["obstacles"][:, 1]) < 12)
+    ego_car = np.hypot(*lesson["cloud"][:, :2].T) < 2
+    kinds = truth["classes"][(lesson["cloud"][:, 2] > -1.2) & ~ego_car]
+    in_strip = np.abs(lesson["obstacles"][:, 0] - lesson["post"][0]) <= lesson["half_a_metre"]
+    seen = in_strip & (np.abs(lesson["obstacles"][:, 1]) < 12)
     names = truth["class_names"][np.unique(kinds[seen])].tolist()
     beyond = truth["class_names"][np.unique(kinds[in_strip & ~seen])].tolist()
     assert sorted(names) == ["cyclist", "pole", "wall"] and "foliage" in beyond
     for axis, times in enumerate((5, 5, 100)):
-        away = np.abs(space["obstacles"][:, axis] - space["post"][axis])
-        assert (away <= space["half_a_metre"]).sum() > times * near
+        away = np.abs(lesson["obstacles"][:, axis] - lesson["post"][axis])
+        assert (away <= lesson["half_a_metre"]).sum() > times * near
 
 
 def test_ready_made_trees_equal_those_of_insert():
-    space = lesson_names()
+    lesson = lesson_names()
     for count in range(1, 9):
-        ready, grown = space["first_of"](count), space["grow"](space["eight"][:count])
+        ready, grown = lesson["first_of"](count), lesson["grow"](lesson["eight"][:count])
         assert places(ready) == places(grown)
-    order = space["median_order"](space["seven"])
-    assert places(space["better"]) == places(space["grow"](space["seven"], order))
-    assert places(space["better"]) == places(space["grow"](space["seven"], [3, 0, 2, 1, 4, 6, 5]))
-    tiny = places(space["grow"]([[5, 5], [2, 8], [7, 3]]))
+    order = lesson["median_order"](lesson["seven"])
+    assert places(lesson["better"]) == places(lesson["grow"](lesson["seven"], order))
+    assert places(lesson["better"]) == places(
+        lesson["grow"](lesson["seven"], [3, 0, 2, 1, 4, 6, 5])
+    )
+    tiny = places(lesson["grow"]([[5, 5], [2, 8], [7, 3]]))
     assert tiny == {0: "the root", 1: "left of 0", 2: "right of 0"}
 
 
 def test_the_first_puzzle_has_the_stated_answer():
-    space = lesson_names()
-    assert places(space["first_of"](8))[7] == "left of 5"
+    lesson = lesson_names()
+    assert places(lesson["first_of"](8))[7] == "left of 5"
     equal_left = notebook_with(insert="equal goes left")
     # The wrong answer is one of the puzzle's choices.
     assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"
 
 
 def test_the_second_puzzle_matches_its_table():
-    space = lesson_names()
-    visited, found = space["trace"](space["better"], space["target"], space["radius"])
-    assert sorted(visited) == sorted(space["looked_at"]) and found == [0, 4]
-    made = node_states(space["better"].root, visited)
-    by_index = {node.index: made[id(node)] for node in nodes_of(space["better"].root)}
+    lesson = lesson_names()
+    visited, found = lesson["trace"](lesson["better"], lesson["target"], lesson["radius"])
+    assert sorted(visited) == sorted(lesson["looked_at"]) and found == [0, 4]
+    states = node_states(lesson["better"].root, visited)
+    by_index = {node.index: states[id(node)] for node in nodes_of(lesson["better"].root)}
     assert [index for index, fate in by_index.items() if fate == "pruned"] == [2, 6, 5]
     texts = [
-        describe_step(space["better"].root, visited, step, space["target"], space["radius"])
+        describe_step(lesson["better"].root, visited, step, lesson["target"], lesson["radius"])
         for step in range(1, 5)
     ]
     assert texts[0].startswith(
@@ -95,15 +97,15 @@ def test_the_second_puzzle_matches_its_table():
 
 
 def test_the_search_step_by_step_prunes_four_branches():
-    space = lesson_names()
-    yard = space["grow"](space["fifteen"])
-    visited, found = space["trace"](yard, [2, -1], 4)
-    made = node_states(yard.root, visited)
+    lesson = lesson_names()
+    yard = lesson["grow"](lesson["fifteen"])
+    visited, found = lesson["trace"](yard, [2, -1], 4)
+    states = node_states(yard.root, visited)
     branches = [
         child
         for node in nodes_of(yard.root)
         for child in (node.left, node.right)
-        if child is not None and made[id(node)] == "looked at" and made[id(child)] == "pruned"
+        if child is not None and states[id(node)] == "looked at" and states[id(child)] == "pruned"
     ]
     assert (len(found), len(branches), depth_of(yard.root)) == (3, 4, 5)
     assert set(node_states(yard.root, visited, 0).values()) == {"not yet"}
@@ -111,23 +113,23 @@ def test_the_search_step_by_step_prunes_four_branches():
 
 
 def test_a_search_without_result_visits_some_nodes():
-    space = lesson_names()
-    garden = space["grow"](space["flat"])
-    visited, found = space["trace"](garden, [14.0, -0.3], 0.2)
+    lesson = lesson_names()
+    garden = lesson["grow"](lesson["flat"])
+    visited, found = lesson["trace"](garden, [14.0, -0.3], 0.2)
     assert found == [] and 0 < len(visited) < 20
-    everything = [len(space["trace"](garden, [8.0, -0.3], radius)[0]) for radius in (1, 4, 10, 60)]
-    assert everything == sorted(everything) and everything[-1] == len(space["flat"])
+    everything = [len(lesson["trace"](garden, [8.0, -0.3], radius)[0]) for radius in (1, 4, 10, 60)]
+    assert everything == sorted(everything) and everything[-1] == len(lesson["flat"])
 
 
 def test_levels_depend_on_the_order_of_insertion():
-    space = lesson_names()
-    assert space["levels"](space["wall"]) == 1000
-    assert 10 <= space["levels"](space["thousand"]) < 40
-    assert 10 <= space["levels"](np.random.default_rng(1).permutation(space["wall"])) < 40
-    assert space["levels"](space["thousand"], space["median_order"](space["thousand"])) == 10
+    lesson = lesson_names()
+    assert lesson["levels"](lesson["wall"]) == 1000
+    assert 10 <= lesson["levels"](lesson["thousand"]) < 40
+    assert 10 <= lesson["levels"](np.random.default_rng(1).permutation(lesson["wall"])) < 40
+    assert lesson["levels"](lesson["thousand"], lesson["median_order"](lesson["thousand"])) == 10
     recursive = notebook_with(insert="calls itself for each level")
     with pytest.raises(RecursionError):
-        recursive["levels"](space["wall"])
+        recursive["levels"](lesson["wall"])
 
 
 def test_the_third_puzzle_matches_its_picture():
@@ -142,9 +144,13 @@ def test_the_third_puzzle_matches_its_picture():
 
 
 def test_medians_of_four_and_fifteen_points_are_as_stated():
-    space = lesson_names()
-    assert list(space["median_order"](space["four"])) in ([1, 0, 2, 3], [1, 2, 0, 3], [1, 2, 3, 0])
-    tree = space["grow"](space["fifteen"], space["median_order"](space["fifteen"]))
+    lesson = lesson_names()
+    assert list(lesson["median_order"](lesson["four"])) in (
+        [1, 0, 2, 3],
+        [1, 2, 0, 3],
+        [1, 2, 3, 0],
+    )
+    tree = lesson["grow"](lesson["fifteen"], lesson["median_order"](lesson["fifteen"]))
     assert (tree.root.index, depth_of(tree.root)) == (4, 4)
 
 
@@ -168,29 +174,29 @@ def test_search_costs_grow_as_stated():
 @pytest.mark.slow
 @pytest.mark.parametrize(("dimensions", "least", "most"), [(3, 0, 0.05), (15, 0.9, 1)])
 def test_in_many_dimensions_a_search_visits_nearly_every_node(dimensions, least, most):
-    space = lesson_names()
+    lesson = lesson_names()
     points = np.random.default_rng(3).uniform(size=(8000, dimensions))
-    tree = space["grow"](points, space["median_order"](points))
+    tree = lesson["grow"](points, lesson["median_order"](points))
     for target in points[:5]:
         radius = np.sort(np.linalg.norm(points - target, axis=1))[4] + 1e-9
-        visited, found = space["trace"](tree, target.tolist(), radius)
+        visited, found = lesson["trace"](tree, target.tolist(), radius)
         assert len(found) == 5
         assert least <= len(visited) / len(points) <= most
 
 
 @pytest.mark.slow
 def test_the_search_around_the_lamp_post_visits_few_nodes():
-    space = lesson_names()
-    levels, visits, found = space["search_the_scan"](space["post"], space["half_a_metre"])
-    assert found == space["is_near"].sum()
+    lesson = lesson_names()
+    levels, visits, found = lesson["search_the_scan"](lesson["post"], lesson["half_a_metre"])
+    assert found == lesson["is_near"].sum()
     assert found < visits < 3 * found
-    assert levels > 16 == int(np.log2(len(space["obstacles"]))) + 1
+    assert levels > 16 == int(np.log2(len(lesson["obstacles"]))) + 1
     # Equal coordinates cause the additional levels. Their number depends on the order of equal
     # values after sorting, which depends on the processor.
-    exact = space["obstacles"]
+    exact = lesson["obstacles"]
     assert np.sum(exact[:, 2] == 0) == 1653
     moved = exact + np.random.default_rng(0).uniform(-4e-4, 4e-4, exact.shape)
-    assert space["depth_of"](space["grow"](moved, space["median_order"](moved)).root) == 16
+    assert lesson["depth_of"](lesson["grow"](moved, lesson["median_order"](moved)).root) == 16
 
 
 @pytest.mark.slow
@@ -202,9 +208,9 @@ def test_common_mistakes_find_the_points_in_the_drawing():
         "no condition": "visits every node",
     }
     for title, points, tree, centre, radius, finds, visited in lesson_names()["cases"]:
-        space = notebook_with(search=wrong[title])
+        lesson = notebook_with(search=wrong[title])
         with watched(tree) as seen:
-            assert sorted(space["search"](tree, centre, radius)) == finds
+            assert sorted(lesson["search"](tree, centre, radius)) == finds
         if visited is not None:
             assert sorted(seen) == sorted(visited)
         right = [i for i in range(len(points)) if math.dist(points[i], centre) <= radius]
@@ -213,8 +219,8 @@ def test_common_mistakes_find_the_points_in_the_drawing():
 
 
 def test_equal_points_on_the_left_are_missed():
-    space = notebook_with(insert="equal goes left")
-    tree = space["grow"](space["eight"])
-    assert 7 not in space["search"](tree, [2, 9], 4)
-    assert math.dist(space["eight"][7], [2, 9]) <= 4
+    lesson = notebook_with(insert="equal goes left")
+    tree = lesson["grow"](lesson["eight"])
+    assert 7 not in lesson["search"](tree, [2, 9], 4)
+    assert math.dist(lesson["eight"][7], [2, 9]) <= 4
     assert round(math.sqrt(0.5), 2) == 0.71 and round(math.sqrt(3), 2) == 1.73

@@ -397,7 +397,7 @@ plots.ring(panels[1], 5.5, 3.6, radius=3.2, text="joined");
 
 # %%
 def which_thresholds(thresholds):
-    """Return at which thresholds the two people are apart, and at which the car is whole."""
+    """Return two masks of thresholds: the two people are apart, and the car is whole."""
     people, slanted = (15, 16), 10  # their numbers in the truth
     apart, whole = [], []
     for threshold in thresholds:

@@ -62,8 +62,8 @@ def test_no_ball_radius_is_right(street):
     for radius in (0.5, 3.0):
         number = street["balls"](obstacles, radius)
         assert len(np.unique(number[objects == 30])) > 4  # the long wall is split
-    swallowed = [set(kinds[number == ball_number]) for ball_number in np.unique(number)]
-    assert any({"pedestrian", "car"} <= kinds for kinds in swallowed)
+    kinds_of_balls = [set(kinds[number == ball_number]) for ball_number in np.unique(number)]
+    assert any({"pedestrian", "car"} <= kinds_of_ball for kinds_of_ball in kinds_of_balls)
     # The ring in the picture has the centre and the radius of this ball.
     ball = number == number[np.argmin(np.hypot(obstacles[:, 0] - 8.9, obstacles[:, 1] + 0.3))]
     assert {"pedestrian", "car"} == set(kinds[ball])

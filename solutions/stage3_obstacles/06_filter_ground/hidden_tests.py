@@ -157,9 +157,9 @@ def rows_in_lower_halves(cloud, size):
 
 def rows_of_one_quadrant(cloud, seed):
     """Return the rows of a random quadrant below the sensor, where each axis has one sign."""
-    along, across = np.random.default_rng(seed).choice([-1, 1], 2)
+    sign_x, sign_y = np.random.default_rng(seed).choice([-1, 1], 2)
     x, y, z = cloud[:, :3].T
-    return cloud[(along * x > 0) & (across * y > 0) & (z < 0)]
+    return cloud[(sign_x * x > 0) & (sign_y * y > 0) & (z < 0)]
 
 
 def add_mirror_images(cloud, size):

@@ -60,15 +60,15 @@ def test_clusters_have_hundreds_or_thousands_of_points():
 
 def distance_from_edges(corner, drawn):
     """Return a corner's distance from the nearest edge of other corners, in drawing widths."""
-    far = []
+    distances = []
     for start in range(8):
         for axis in (1, 2, 4):
             end = start | axis
             if end != start and corner not in (start, end):
                 along = drawn[end] - drawn[start]
                 share = np.clip((drawn[corner] - drawn[start]) @ along / (along @ along), 0, 1)
-                far.append(np.linalg.norm(drawn[corner] - drawn[start] - share * along))
-    return min(far) / np.ptp(drawn, axis=0).max()
+                distances.append(np.linalg.norm(drawn[corner] - drawn[start] - share * along))
+    return min(distances) / np.ptp(drawn, axis=0).max()
 
 
 @pytest.mark.parametrize("low, high", [((0, 0, 0), (4, 2, 1.5)), ((-2, -1.5, -1.2), (3, 2.5, 0.8))])
@@ -100,11 +100,11 @@ def test_the_box_of_seven_points_is_right():
 def test_corners_match_the_table(name):
     """Compare the corners with the table in the lesson's text."""
     text = find_lesson("08_bounding_boxes").source.read_text()
-    corner = np.array([[1.0, 2, 3], [4, 5, 6]])
-    box = kept_function("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
+    opposite = np.array([[1.0, 2, 3], [4, 5, 6]])
+    box = kept_function("get_bounding_boxes", name)(opposite, np.array([1, 1]))[0]
     for axis, letter in enumerate("xyz"):
         row = re.search(rf"^# \| {letter} \|(.+)\|$", text, re.M)[1].replace("*", "").split("|")
-        expected = [corner[int(word.strip() == "max"), axis] for word in row]
+        expected = [opposite[int(word.strip() == "max"), axis] for word in row]
         assert box[:, axis].tolist() == expected
     assert (box[4:, :2] == box[:4, :2]).all(), "the roof is directly above the floor"
 

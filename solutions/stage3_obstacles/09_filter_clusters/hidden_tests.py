@@ -103,9 +103,8 @@ def test_keeps_clusters_of_the_minimum_size(student, seed):
         [np.repeat([1, 2, 3], 6), random_labels(np.random.default_rng(seed), 30, 30)]
     )
     count = Counter(labels.tolist())
-    labels = np.append(
-        labels, np.repeat(31, count[2])
-    )  # the cluster with the highest label also has exactly the minimum
+    # The cluster with the highest label also has exactly the minimum size.
+    labels = np.append(labels, np.repeat(31, count[2]))
     count = Counter(labels.tolist())
     at_the_border = [label for label in count if label > 0 and count[label] == count[2]]
     yours = as_labels(student.filter_clusters(labels.copy(), count[2]), len(labels))

@@ -357,5 +357,5 @@ def _boxes_of_points(seed):
 
 
 def _directions(rng, n):
-    way = rng.normal(size=(n, 3))
-    return way / np.linalg.norm(way, axis=1, keepdims=True)
+    directions = rng.normal(size=(n, 3))
+    return directions / np.linalg.norm(directions, axis=1, keepdims=True)

@@ -9,7 +9,7 @@ from utils.checks.core import run_check
 
 STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
 LESSON = load_reference("10_accelerated_clustering", *STEPS, "on_floors")
-ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(f"{name}")]
+ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(name)]
 
 
 def failures_of(name, function):

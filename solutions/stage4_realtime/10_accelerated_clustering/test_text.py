@@ -135,8 +135,8 @@ def test_clustering_is_exact_for_a_heap_within_a_shell(radius):
     for gap, clusters in ((0.5001, 2), (0.4999, 1)):
         points = np.concatenate([radius * v[0], (radius + gap) * v[1]])
         points[4000] = (radius + gap) * v[0, 0]  # this pair's distance is exactly the gap
-        for way in (LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed):
-            labels = way(points, 0.5)
+        for cluster in (LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed):
+            labels = cluster(points, 0.5)
             assert labels.max() == clusters and len(set(labels[:4000])) == 1
 
 
@@ -281,8 +281,8 @@ def test_listing_pairs_is_faster_than_querying_and_joining(obstacles):
         accelerated = LESSON.seconds_of(LESSON.euclidean_clustering_accelerated, points)
         # The text says that the list wins for a few thousand points.
         assert (listed < accelerated) == (points is few)
-    asking = LESSON.seconds_of(LESSON.neighbours_by_tree, obstacles, obstacles)
-    assert listed < 1.5 * asking
+    querying = LESSON.seconds_of(LESSON.neighbours_by_tree, obstacles, obstacles)
+    assert listed < 1.5 * querying
 
 
 def test_larger_thresholds_give_fewer_cells_and_open_pairs(obstacles):
@@ -368,15 +368,15 @@ def test_the_first_argsort_lists_pieces_and_the_second_finds_their_places():
 
 @pytest.mark.slow
 def test_the_fast_version_is_faster(obstacles):
-    def seconds(way):
-        begin = process_time()
-        way(obstacles)
-        return process_time() - begin
+    def seconds(cluster):
+        start = process_time()
+        cluster(obstacles)
+        return process_time() - start
 
     # The two run alternately, so that a busy machine slows both. The text says more than 4, but
     # the ratio depends on the processor.
-    ways = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
-    ratios = [seconds(ways[0]) / seconds(ways[1]) for _ in range(5)]
+    versions = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
+    ratios = [seconds(versions[0]) / seconds(versions[1]) for _ in range(5)]
     assert np.median(ratios) > 2
 
 

@@ -52,7 +52,7 @@ def points_of(street, label):
     return street.cloud[street.labels == label, :3]
 
 
-def in_box_frame(street, label):
+def in_box_coordinates(street, label):
     """Return the points (n, 2) of a cluster in coordinates along and across its true box."""
     box = street.boxes[label]
     return LESSON.turned(points_of(street, label) - box.centre, -box.yaw)[:, :2]
@@ -89,9 +89,9 @@ def function_of_answer(name):
         answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
     )
     given = ("turned", "floor_area_at", "closeness_at")
-    space = {"np": np} | {name: getattr(LESSON, name) for name in given}
-    exec(source, space)
-    return space["get_oriented_boxes"]
+    namespace = {"np": np} | {name: getattr(LESSON, name) for name in given}
+    exec(source, namespace)
+    return namespace["get_oriented_boxes"]
 
 
 def test_a_fitted_line_is_too_flat_for_steep_cars():
@@ -141,7 +141,7 @@ def test_closeness_sums_inverse_distances_to_the_sides(degrees):
 
 
 def test_explanations_for_single_vehicles_are_true(street):
-    seen = {label: in_box_frame(street, label) for label in VEHICLES}
+    seen = {label: in_box_coordinates(street, label) for label in VEHICLES}
     # Vehicle 5 is next to the scanner, with one end ahead of the scanner and one behind.
     ends = street.boxes[5].corners[:, 0]
     assert ends.min() < 0 < ends.max()
@@ -168,14 +168,14 @@ def test_explanations_for_single_vehicles_are_true(street):
     assert (np.minimum(seen[7] - low, high - seen[7]).min(axis=1) < 0.25).mean() > 0.9
 
 
-def lean_of_even_l(short, long):
+def lean_of_even_l(short_leg, long_leg):
     """Return the lean (degrees) of the first axis of an L with evenly spread points."""
     n = 2000
     legs = np.vstack(
         [
-            np.column_stack([np.linspace(0, long, n), np.zeros((n, 2))]),
-            np.column_stack([np.zeros(n), np.linspace(0, short, n), np.zeros(n)])[
-                :: max(1, round(long / short))
+            np.column_stack([np.linspace(0, long_leg, n), np.zeros((n, 2))]),
+            np.column_stack([np.zeros(n), np.linspace(0, short_leg, n), np.zeros(n)])[
+                :: max(1, round(long_leg / short_leg))
             ],
         ]
     )
@@ -248,8 +248,8 @@ def test_no_method_is_reliable_for_cyclists():
         for box in frame.boxes:
             points = frame.cloud[near & (frame.scan.objects == box.identity), :3]
             if box.kind == "cyclist" and len(points) >= 20:
-                ways = (axis_yaw, rectangle_yaw, closest_yaw)
-                off.append([angle_to_side(find(points), box) for find in ways])
+                methods = (axis_yaw, rectangle_yaw, closest_yaw)
+                off.append([angle_to_side(find(points), box) for find in methods])
     assert len(off) == 17
     middle, worst = np.median(off, axis=0), np.max(off, axis=0)
     assert (middle > 7.5).all() and (middle < 10.5).all()
@@ -396,16 +396,16 @@ def test_common_mistakes_match_the_table(street):
     block = LESSON.turned(np.array(list(np.ndindex(2, 2, 2))) * [4.2, 1.8, 1.4], yaw)
     block += middle - block.mean(axis=0)
 
-    def built(there, back):
-        straight = LESSON.turned(block, there)
+    def box_after_turns(first, second):
+        straight = LESSON.turned(block, first)
         low, high = straight.min(axis=0), straight.max(axis=0)
         corners = np.array(list(np.ndindex(2, 2, 2))) * (high - low) + low
-        return LESSON.turned(corners, back), np.prod((high - low)[:2])
+        return LESSON.turned(corners, second), np.prod((high - low)[:2])
 
-    both_minus, area = built(-yaw, -yaw)
+    both_minus, area = box_after_turns(-yaw, -yaw)
     assert area == pytest.approx(4.2 * 1.8)
     assert both_minus.mean(axis=0) == pytest.approx(LESSON.turned(middle[None], -2 * yaw)[0])
-    both_plus, area = built(yaw, yaw)
+    both_plus, area = box_after_turns(yaw, yaw)
     assert area > 1.3 * 4.2 * 1.8
     assert both_plus.mean(axis=0) == pytest.approx(LESSON.turned(middle[None], 2 * yaw)[0])
     areas = LESSON.floor_area_at(block, ANGLES)

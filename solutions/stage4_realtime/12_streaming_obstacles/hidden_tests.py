@@ -414,7 +414,7 @@ def test_max_distance(student, seed):
     # Here, the pairing with the smallest sum of distances has two pairs that are too far apart.
     start, angle = rng.uniform(-30, 30, 2), rng.uniform(0, 2 * np.pi)
     along = [np.cos(angle), np.sin(angle)]
-    boxes = tuple(cubes(start + np.outer(ways, along)) for ways in ([0, 4], [3.2, 7.2]))
+    boxes = tuple(cubes(start + np.outer(metres, along)) for metres in ([0, 4], [3.2, 7.2]))
     assert_limit_respected(student.match_boxes(*boxes, 2.0), [1, -1], *boxes, 2.0)
 
 

@@ -1133,7 +1133,7 @@ KINDS = ("along the axes", "principal axes", "smallest rectangle")
 
 
 def boxes_of_truth(frame, region, kind):
-    """Return a box of this kind for each true object, around its returns above the road."""
+    """Return a box of this kind for each true object with five or more returns above the road."""
     made = []
     for thing in counted(frame, region):
         points = frame.cloud[frame.scan.objects == thing.identity, :3]

@@ -13,7 +13,7 @@ from utils.tracking import Tracker
 
 LESSON = find_lesson("12_streaming_obstacles")
 STEPS = ("predict_boxes", "correct_boxes", "coast", "confirm")
-ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(f"{name}")]
+ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(name)]
 
 
 def function_of(name, variant):
@@ -79,13 +79,13 @@ def test_confirm_solves_the_tiny_case():
 
 def steady_state_gains(wobble, acceleration, seconds):
     """Compute the gains of a steady-state constant-velocity Kalman filter by Riccati recursion."""
-    step = np.array([[1, seconds], [0, 1]])
+    transition = np.array([[1, seconds], [0, 1]])
     push = np.array([seconds**2 / 2, seconds]) * acceleration
-    noise, state = np.outer(push, push), np.eye(2) * 100.0
+    noise, covariance = np.outer(push, push), np.eye(2) * 100.0
     for _ in range(20_000):
-        ahead = step @ state @ step.T + noise
-        gains = ahead[:, 0] / (ahead[0, 0] + wobble**2)
-        state = ahead - np.outer(gains, ahead[0])
+        predicted = transition @ covariance @ transition.T + noise
+        gains = predicted[:, 0] / (predicted[0, 0] + wobble**2)
+        covariance = predicted - np.outer(gains, predicted[0])
     return gains
 
 

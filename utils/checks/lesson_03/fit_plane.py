@@ -29,7 +29,7 @@ from utils.geometry import (
     principal_components,
     with_unit_normal,
 )
-from utils.remote_objects import RemoteObject
+from utils.remote_objects import RemoteProxy
 
 # The uneven floor of the notebook, 4 m by 2 m, with corners 10 cm too high or too low.
 _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
@@ -209,7 +209,7 @@ def fits_three_points(fit_plane: Callable) -> None:
 def fits_many_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     # The judge limits memory. A notebook only measures it, so it uses a smaller cloud.
-    n = 25_000 if isinstance(fit_plane, RemoteObject) else 3_000
+    n = 25_000 if isinstance(fit_plane, RemoteProxy) else 3_000
     points, _ = scattered_plane(6, n, 0, noise=0.05)
     try:
         with _peak_memory() as used:

@@ -20,7 +20,7 @@ from utils.checks.assertions import (
 from utils.checks.run_cache import once_per_run
 from utils.checks.size_limits import MAX_NUMBERS_PER_POINT
 from utils.geometry import SIDES, TreeNode, grow_tree, nodes_by_path, tree_as_lists
-from utils.remote_objects import RemoteError, RemoteObject, RemoteStopped
+from utils.remote_objects import RemoteError, RemoteProxy, RemoteStopped
 
 # At most this many nodes of a wrong tree are visited, because it may contain a cycle.
 MAX_NODES = 200
@@ -177,7 +177,7 @@ def _assert_inserts(KdTree: Callable) -> None:
 
 def _student_errors(KdTree: Callable) -> type[Exception] | tuple[type[Exception], ...]:
     """Return the exceptions that a student's code may raise, here or in the sandbox."""
-    return (RemoteError, RemoteStopped) if isinstance(KdTree, RemoteObject) else Exception
+    return (RemoteError, RemoteStopped) if isinstance(KdTree, RemoteProxy) else Exception
 
 
 def method_of(tree: object, name: str) -> Callable | None:

@@ -427,9 +427,9 @@ def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
     # process time only once per tick, and a fast machine needs less than a tick. WebAssembly has
     # no thread time.
     clock = getattr(time, "thread_time", time.perf_counter)
-    begin = clock()
+    start = clock()
     cKDTree(cloud).query(cloud, k=2)
-    return clock() - begin
+    return clock() - start
 
 
 def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:

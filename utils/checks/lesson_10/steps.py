@@ -239,10 +239,10 @@ def measures_representatives(join_cheaply: Callable) -> None:
 
 # ---- step 3 ------------------------------------------------------------------------------------
 
-# Five cells in a row, two steps apart. Each has three points, except the last, which has four. The
-# lesson's `on_floors` therefore returns more points in p than in q. The first points of
-# neighbouring cells are too far apart. Other points of these cells are close, except in the last
-# two cells.
+# Five cells in a row, two steps apart. The first points of neighbouring cells are too far apart.
+# Other points of these cells are close, except in the last two cells. The last cell has four points
+# and the others have three, so the lesson's `on_floors` returns arrays p and q of different
+# lengths.
 _IN_CELL = frozen(np.array([[0.1, 0.5, 0.9]] * 4 + [[0.9, 0.95, 0.85]]))
 _ROW = frozen(
     np.outer(np.append((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), 8.92), np.eye(3)[0])

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 from utils.checks.tips import unwritten_function
 from utils.replays.clustering.faults import find_first_fault
-from utils.replays.clustering.frames import ReplayFrame, format_label, frames_of
 from utils.replays.clustering.observer import (
     LabelObserver,
     as_labels,
@@ -16,6 +15,7 @@ from utils.replays.clustering.observer import (
     group_numbers,
 )
 from utils.replays.clustering.points import GROUP_OF, POINTS, THRESHOLD
+from utils.replays.clustering.steps import ClusteringStep, format_label, steps_of
 from utils.replays.endings import describe_ending
 from utils.replays.player import Fault, Replay, ReplayStep
 from utils.replays.tracer import Ending, record
@@ -37,25 +37,25 @@ def replay_clustering(euclidean_clustering: Callable) -> Replay:
     labels = find_labels(observer.tracks, ending.answer, answer)
     if labels is None:
         return _replay_answer(euclidean_clustering, ending, answer)
-    frames = frames_of(labels, find_queue(observer.queues))
-    wrong = find_first_fault(euclidean_clustering, frames, answer, ending)
+    steps = steps_of(labels, find_queue(observer.queues))
+    wrong = find_first_fault(euclidean_clustering, steps, answer, ending)
     count = max(MAX_STEPS, wrong.step + 1 if wrong else 0)
-    steps = [ReplayStep(frame.description, frame.draw) for frame in frames[:count]]
-    remark = _remark(ending, answer, frames, wrong)
+    shown = [ReplayStep(step.description, step.draw) for step in steps[:count]]
+    remark = _remark(ending, answer, steps, wrong)
     if unwritten_function(ending.error, euclidean_clustering):
         remark += f" {describe_ending(ending, euclidean_clustering)}"
-    return Replay(steps, wrong, remark)
+    return Replay(shown, wrong, remark)
 
 
 def _remark(
-    ending: Ending, answer: list | None, frames: list[ReplayFrame], wrong: Fault | None
+    ending: Ending, answer: list | None, steps: list[ClusteringStep], wrong: Fault | None
 ) -> str:
     about = f"Twelve points, threshold {THRESHOLD} m."
     if ending.stopped:
         return f"{about} Your function was stopped because it did not end."
     if not wrong and answer is not None and group_numbers(answer) == group_numbers(GROUP_OF):
         about += " Your labels are right."
-    visited = Counter(frame.visited for frame in frames if frame.visited is not None)
+    visited = Counter(step.visited for step in steps if step.visited is not None)
     if more := [row for row, count in visited.items() if count > 1]:
         about += f" Visited more than once: {', '.join(map(str, sorted(more)))}."
     return about
@@ -66,11 +66,13 @@ def _replay_answer(function: Callable, ending: Ending, answer: list | None) -> R
     if answer is None:
         return Replay(remark=describe_ending(ending, function))
     blank = object()
-    frame = ReplayFrame((blank,) * len(POINTS), tuple(answer), blank)
+    step = ClusteringStep((blank,) * len(POINTS), tuple(answer), blank)
     remark = (
         "While your function runs, no variable contains one label per point, so its steps cannot "
         "be shown. The picture shows its answer."
     )
-    wrong = find_first_fault(function, [frame], answer, ending)
-    says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(format_label, answer))}."
-    return Replay([ReplayStep(says, frame.draw)], wrong, remark)
+    wrong = find_first_fault(function, [step], answer, ending)
+    description = (
+        f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(format_label, answer))}."
+    )
+    return Replay([ReplayStep(description, step.draw)], wrong, remark)

@@ -33,11 +33,11 @@ class ModelAndMask:
             return None
         return cls(task, known, np.array(mask))
 
-    def is_from(self, one: Round) -> bool:
+    def is_from(self, round_: Round) -> bool:
         """Return whether the model equals a round's model, with either sign."""
-        if self.model is None or one.model is None:
+        if self.model is None or round_.model is None:
             return False
-        mine, other = (model / np.linalg.norm(model[:-1]) for model in (self.model, one.model))
+        mine, other = (model / np.linalg.norm(model[:-1]) for model in (self.model, round_.model))
         return any(np.allclose(mine, sign * other, rtol=0, atol=ROUNDING) for sign in (1, -1))
 
     @property

@@ -1,8 +1,8 @@
 """The package `utils` in the sandbox: the names of `utils.in_sandbox`, and stand-ins.
 
 A notebook imports `check`, `plots` and more, and its functions may call them. The sandbox does not
-show plots, and checks run outside it. Every name that is not in `utils.in_sandbox` is therefore a
-stand-in, which accepts every call and does nothing.
+show plots, and checks run outside it. Names that are not in `utils.in_sandbox` are therefore
+stand-ins, which accept every call and do nothing. Only `load_my_functions` raises an error.
 """
 
 from __future__ import annotations

@@ -145,11 +145,11 @@
   // Removes scripts from HTML that Python made. Scenes keep theirs, in a frame of their own.
   const withoutScripts = (html) => {
     const { body } = new DOMParser().parseFromString(html, "text/html");
-    for (const one of body.querySelectorAll("script, style, link, meta, base, object, embed, form")) one.remove();
-    for (const one of body.querySelectorAll("*")) {
-      for (const { name, value } of [...one.attributes]) {
+    for (const node of body.querySelectorAll("script, style, link, meta, base, object, embed, form")) node.remove();
+    for (const node of body.querySelectorAll("*")) {
+      for (const { name, value } of [...node.attributes]) {
         const isAddress = /^(src|href|xlink:href|action|formaction|srcset|data|poster)$/.test(name);
-        if (name.startsWith("on") || (isAddress && !/^(#|data:image\/)/.test(value))) one.removeAttribute(name);
+        if (name.startsWith("on") || (isAddress && !/^(#|data:image\/)/.test(value))) node.removeAttribute(name);
       }
     }
     for (const frame of body.querySelectorAll("iframe")) {
@@ -300,7 +300,7 @@
       const show = shownIn(box, `The figure with ${values}.`);
       work(tell, async () => {
         const { cells } = await notebook();
-        const position = cells.findIndex((one) => one.id === id);
+        const position = cells.findIndex((notebookCell) => notebookCell.id === id);
         let ok = await runAbove(cells.slice(0, position + 1), tell, show);
         tell("Computing");
         if (ok) ({ ok } = await ask({ source: `${name}(${values})` }, show));

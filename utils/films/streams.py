@@ -1,4 +1,4 @@
-"""Streams as files for other viewers: .rrd for Rerun, and .mcap for Foxglove and RViz.
+"""Write streams for other viewers: .rrd files for Rerun, .mcap files for Foxglove and RViz.
 
 Each frame has the scan, its ground and clusters, boxes with track IDs, the true boxes if they are
 known, and the decision of a simulated car. https://rerun.io, https://foxglove.dev

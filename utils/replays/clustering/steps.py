@@ -12,8 +12,8 @@ from utils.replays.clustering.points import ABOVE, NEAR, POINTS, ROWS, THRESHOLD
 
 
 @dataclass
-class ReplayFrame:
-    """One step of a run.
+class ClusteringStep:
+    """One step of a clustering run.
 
     Attributes
     ----------
@@ -96,32 +96,32 @@ class ReplayFrame:
         axes.set_title(title, loc="left", fontsize=12, fontweight="bold")
 
 
-def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[ReplayFrame]:
+def steps_of(labels: VariableTrack, queue: VariableTrack | None) -> list[ClusteringStep]:
     """Divide a run into steps; each visited point and each new cluster begins a step."""
     moments = [(time, "labels", state, new) for time, state, new in labels.states]
     moments += [(time, "queue", state, new) for time, state, new in (queue.states if queue else ())]
     moments.sort(key=lambda moment: moment[0])
     first = labels.states[0][1]
     blank = first[0] if len(set(first)) == 1 else object()
-    frames = [ReplayFrame(first, first, blank, is_first=True)]
+    steps = [ClusteringStep(first, first, blank, is_first=True)]
     waiting = () if queue else None
     for _, kind, state, new in moments:
-        now = frames[-1]
+        now = steps[-1]
         if kind == "queue":
             gone = Counter(waiting) - Counter(state)
             visited = next(iter(gone)) if gone.total() == 1 and not new else None
             if visited is not None or (new and now.visited is not None):
-                frames.append(ReplayFrame(now.labels, now.labels, blank, visited))
+                steps.append(ClusteringStep(now.labels, now.labels, blank, visited))
             waiting = state
         elif state != now.labels:
             if now.is_first or not queue or (not waiting and _begins_cluster(now, state)):
-                frames.append(ReplayFrame(now.labels, state, blank))
-            frames[-1].labels = state
-        frames[-1].waiting = waiting
-    return frames
+                steps.append(ClusteringStep(now.labels, state, blank))
+            steps[-1].labels = state
+        steps[-1].waiting = waiting
+    return steps
 
 
-def _begins_cluster(now: ReplayFrame, state: tuple) -> bool:
+def _begins_cluster(now: ClusteringStep, state: tuple) -> bool:
     """Return whether the changed labels begin a cluster that lacks the point visited last."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
     if now.visited is None or now.visited in changed:
