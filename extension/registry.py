@@ -8,6 +8,7 @@ OPTIONAL_PACKAGES = (
     ("utils/breaking", "utils.breaking"),
     ("utils/by_hand", "utils.by_hand"),
     ("utils/drive", "utils.drive"),
+    ("utils/drive/person.py", "utils.drive.person"),
     ("utils/replays", "replay"),
     ("utils/replays/clustering", "replay(euclidean_clustering)"),
     ("utils/replays/ransac", "replay(ransac_"),

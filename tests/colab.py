@@ -58,10 +58,8 @@ def find_python():
         for path in filter(None, candidates):
             program = "import ensurepip, sys, venv; print(*sys.version_info[:2])"
             done = subprocess.run([path, "-c", program], capture_output=True, text=True)
-            if done.stdout.split() == [
-                str(major),
-                str(minor),
-            ]:  # pyenv may have shims for versions that are not installed
+            # pyenv may have shims for versions that are not installed.
+            if done.stdout.split() == [str(major), str(minor)]:
                 return str(path)
     return None
 

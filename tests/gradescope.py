@@ -327,7 +327,7 @@ def main(place):
     image = upload(place, archive)
     check("an image is set up", True)
     submitted = submissions()
-    calm = fill_in(find_lesson(SIX), {"filter_ground": HONEST})
+    honest = fill_in(find_lesson(SIX), {"filter_ground": HONEST})
     for kind, sandbox in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
         for student, files in submitted.items():
             results, done, left = submit(place, image, files, kind)
@@ -339,7 +339,7 @@ def main(place):
                 output,
             )
             score = expected(
-                calm if student == "hostile" else files.get(f"{SIX}.ipynb"), place, here
+                honest if student == "hostile" else files.get(f"{SIX}.ipynb"), place, here
             )
             score += 70.0 * (student == "right")
             found = results and results["score"]
@@ -351,7 +351,7 @@ def main(place):
     # If the attacks also failed without a sandbox, the results above would prove nothing.
     _, done, _ = submit(place, image, submitted["hostile"], "as Docker's", script=WITHOUT_SANDBOX)
     gained = json.loads(done.stdout[: done.stdout.rindex("}") + 1])["score"]
-    check("without a sandbox, the attacks succeed", gained > expected(calm, place, here), done)
+    check("without a sandbox, the attacks succeed", gained > expected(honest, place, here), done)
     stolen = f"/autograder/source/course/solutions/{STAGE}/{SIX}.ipynb"
     results, done, _ = submit(
         place, image, {"x.txt": "x"}, "as Docker's", links=[(f"{SIX}.ipynb", stolen)]

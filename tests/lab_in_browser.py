@@ -26,7 +26,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 from tests.site_in_browser import PATIENCE, PROJECT, browser, view
 
 CARD = """
-from tests.test_drive import STREETS, drive_street, occupied_squares, on_time
+from utils.drive import STREETS, drive_street, occupied_squares, on_time
 print(drive_street(STREETS[0], occupied_squares, seconds=2.0, clock=on_time)._repr_html_())
 """
 # A line through the point that can be dragged, at right angles to the y axis.
@@ -137,14 +137,14 @@ def faults_of_drawing(address, picture):
                 patient = WebDriverWait(driver, PATIENCE, ignored_exceptions=[WebDriverException])
                 return patient.until(condition)
 
-        def one(selector):
+        def find(selector):
             return driver.find_element(By.CSS_SELECTOR, selector)
 
         def title():
-            return one(".by-hand-title").text
+            return find(".by-hand-title").text
 
         def line_height():
-            return float(one(".by-hand-line").get_attribute("y1"))
+            return float(find(".by-hand-line").get_attribute("y1"))
 
         def place():
             return float(handle.get_attribute("aria-label").replace("−", "-").split()[-3][:-2])
@@ -153,11 +153,11 @@ def faults_of_drawing(address, picture):
             return title() == f"at {place():.2f} m"
 
         wait(
-            lambda _: one(".jp-Notebook-ExecutionIndicator").get_attribute("data-status") == "idle"
+            lambda _: find(".jp-Notebook-ExecutionIndicator").get_attribute("data-status") == "idle"
         )
-        wait(lambda _: one(".jp-CodeCell .cm-content").click() or True)
+        wait(lambda _: find(".jp-CodeCell .cm-content").click() or True)
         ActionChains(driver).key_down(Keys.SHIFT).send_keys(Keys.ENTER).key_up(Keys.SHIFT).perform()
-        if not wait(lambda _: one(".by-hand-handle").is_displayed()):
+        if not wait(lambda _: find(".by-hand-handle").is_displayed()):
             yield "the drawing does not appear"
             return
         if any(
@@ -165,7 +165,7 @@ def faults_of_drawing(address, picture):
             for still in driver.find_elements(By.CSS_SELECTOR, "[class^=still]")
         ):
             yield "the figure is shown together with the drawing"
-        handle, before = one(".by-hand-handle"), line_height()
+        handle, before = find(".by-hand-handle"), line_height()
         mouse = ActionChains(driver).move_to_element(handle).click_and_hold()
         for _ in range(10):
             mouse.move_by_offset(0, 10)
@@ -181,10 +181,10 @@ def faults_of_drawing(address, picture):
         for _ in range(10):
             upwards.send_keys(Keys.ARROW_UP)
         upwards.key_up(Keys.SHIFT).perform()
-        if not wait(lambda _: "level raised ValueError: too high" in one(".by-hand-message").text):
-            yield f"the exception is not shown: {one('.by-hand-message').text}"
-        one(".by-hand button").click()
-        if not wait(lambda _: title() == "at 1.00 m" and not one(".by-hand-message").text):
+        if not wait(lambda _: "level raised ValueError: too high" in find(".by-hand-message").text):
+            yield f"the exception is not shown: {find('.by-hand-message').text}"
+        find(".by-hand button").click()
+        if not wait(lambda _: title() == "at 1.00 m" and not find(".by-hand-message").text):
             yield f"the drawing does not start again: {title()}"
 
 

@@ -71,19 +71,19 @@ def _run_each(lesson, exercise, sources):
         yield from _in_fork(_run_cells, shell, _cells(lesson, exercise, source)[1])
 
 
-def run_cells(sources, begin):
+def run_cells(sources, prepare):
     """Run some cells in a new notebook and return them as `Cell` objects with their results.
 
     Parameters
     ----------
     sources : list of str
-    begin : callable
+    prepare : callable
         Called with the shell before the cells run.
     """
 
     def work():
         shell = _shell(os.getcwd())
-        begin(shell)
+        prepare(shell)
         yield from _run_cells(shell, [Cell(source) for source in sources])
 
     return pickle.loads(next(_in_fork(work)))

@@ -24,7 +24,7 @@ def source_of(exercise, variant=FOLLOWS_HINTS):
 
 
 def kept_function(exercise, variant=FOLLOWS_HINTS):
-    """Return the function from the kept answer that follows the hints, or from another one."""
+    """Return the function from the kept answer with this name."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]

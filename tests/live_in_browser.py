@@ -65,7 +65,7 @@ ENDS = (
 PATIENCE = 1800  # seconds for one press of a button, on a machine with other work
 VIEWS = ((480, "light"), (480, "dark"), (1280, "light"), (1280, "dark"))
 LOADED = """
-return performance.getEntriesByType("resource").map((one) => one.name)
+return performance.getEntriesByType("resource").map((entry) => entry.name)
   .filter((name) => /worker[.]js$|[.]bin$/.test(name));
 """
 OTHER_HOST = """
@@ -158,14 +158,16 @@ class Panel:
 
     def shown_pictures(self):
         """Return the alternative texts of the pictures that are visible."""
-        return [one.get_attribute("alt") for one in self.find("img") if one.is_displayed()]
+        return [
+            picture.get_attribute("alt") for picture in self.find("img") if picture.is_displayed()
+        ]
 
     def end_of(self, action, act):
         """Do something and wait for one of the final states, which is returned."""
-        begin = time.monotonic()
+        start = time.monotonic()
         act()
         self.wait(lambda: self.state().startswith(ENDS), "the code does not end")
-        seconds = time.monotonic() - begin
+        seconds = time.monotonic() - start
         print(f"{self.name}, {action}: {self.state()} {seconds:.0f} s", flush=True)
         return self.state()
 
@@ -243,7 +245,7 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
     driver.get(driver.current_url)
     panel = Panel(driver, "filter_ground")
     panel.open()
-    if any(one.is_displayed() for one in driver.find_elements(By.CSS_SELECTOR, ".sliders")):
+    if any(slider.is_displayed() for slider in driver.find_elements(By.CSS_SELECTOR, ".sliders")):
         yield "before Python runs, the page shows sliders"
     if panel.text().strip() != ENDLESS.strip():
         yield f"after a stop and a reload, the code is {panel.text()!r}"
@@ -298,7 +300,7 @@ def faults_of_sliders(driver, panel, axe, pictures):
         yield f"without code, a moved slider says: {end} {cells.outputs()}"
     if cells.shown_pictures() != prepared or len(prepared) != 1:
         yield f"without code, {prepared} becomes {cells.shown_pictures()}"
-    if not any(one.is_displayed() for one in cells.find("input[type=radio]")):
+    if not any(button.is_displayed() for button in cells.find("input[type=radio]")):
         yield "without code, the prepared pictures cannot be chosen"
 
     levels = Panel.of_slider(driver, "level (m)")
@@ -309,7 +311,7 @@ def faults_of_sliders(driver, panel, axe, pictures):
             yield f"a slider at {level} says: {end} {levels.outputs()}"
         if levels.shown_pictures() != [f"The figure with level={level}."]:
             yield f"a slider at {level} shows {levels.shown_pictures()}"
-    if any(one.is_displayed() for one in levels.find("input[type=radio]")):
+    if any(button.is_displayed() for button in levels.find("input[type=radio]")):
         yield "a computed picture is below buttons that do not belong to it"
     boxes = {"slider_written": levels.box, "slider_not_written": cells.box}
     yield from faults_in_views(driver, boxes, axe, pictures)
@@ -366,7 +368,9 @@ def main(site, python, axe, pictures, lessons):
                     print(found[-1], flush=True)
         addresses = on_other_hosts(requested_addresses(driver)[0])
         # OTHER_HOST requests this address, to show that the page's policy refuses it.
-        found += [f"requests {one}" for one in addresses if one != "https://example.org/"]
+        found += [
+            f"requests {address}" for address in addresses if address != "https://example.org/"
+        ]
     finally:
         driver.quit()
         server.shutdown()

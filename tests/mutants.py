@@ -68,7 +68,11 @@ TESTS = {
     "grader/intake/submission.py": ("test_submission.py",),
     "grader/intake/notebook.py": ("test_submission.py",),
     "grader/intake/pictures.py": ("test_pictures.py",),
-    "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
+    "grader/intake/preflight.py": (
+        "test_preflight.py",
+        "test_written_answers.py",
+        "test_rules.py",
+    ),
     "grader/lms/autograded_folder.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/differences.py": ("test_gradebook.py", "test_dates.py"),
     "grader/lms/gradebook_writer.py": (
@@ -172,13 +176,13 @@ def mutants_of(module: str) -> Iterator[Mutant]:
     done = subprocess.run(
         [COSMIC_RAY, "-c", CHANGES], input=source, stdout=subprocess.PIPE, text=True, check=True
     )
-    met = {normalised_source(source)}
+    seen = {normalised_source(source)}
     for line in done.stdout.splitlines():
         changed = json.loads(line)
         with contextlib.suppress(SyntaxError):
-            means = normalised_source(changed)
-            if means not in met:
-                met.add(means)
+            meaning = normalised_source(changed)
+            if meaning not in seen:
+                seen.add(meaning)
                 yield Mutant(module, *_difference(source, changed), changed)
 
 
@@ -315,7 +319,7 @@ class MutantRunner:
         gc.freeze()  # prevents garbage collection in forks from copying all objects
         if new := [item for item in session.items if item.nodeid not in self.runs]:
             self.runs.update(self._in_a_fork(new))
-        for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
+        for mutant, outcome in try_all(self.mutants, functools.partial(self._start_trial, session)):
             with contextlib.suppress(FileNotFoundError):
                 self.detected[Path(self.folder, mutant.digest, DETECTED_BY).read_text("utf-8")] += 1
             self.report(mutant, outcome)
@@ -324,7 +328,7 @@ class MutantRunner:
     def _in_a_fork(self, items: list[pytest.Item]) -> dict[str, Run]:
         """Run the tests on the unchanged modules; all of them must pass."""
         path = Path(self.folder, "runs")
-        process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
+        process = start_process(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
             text = path.read_text("utf-8") if path.is_file() else "They were stopped."
             sys.exit(f"{self.module}: the nearest tests fail on the unchanged module.\n{text}")
@@ -343,12 +347,12 @@ class MutantRunner:
 
         for item in items:
             entered.clear()
-            begun, clock = time.process_time(), time.monotonic()
+            cpu_start, wall_start = time.process_time(), time.monotonic()
             sys.settrace(enter)
             # With `nextitem=None`, shared fixtures end here, so each test pays for them.
             item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
             sys.settrace(None)
-            took = time.process_time() - begun, time.monotonic() - clock
+            took = time.process_time() - cpu_start, time.monotonic() - wall_start
             found[item.nodeid] = (*took, sorted(entered))
             if item.session.testsfailed:
                 path.write_text(item.nodeid, "utf-8")
@@ -356,7 +360,9 @@ class MutantRunner:
         path.write_text(json.dumps(found), "utf-8")
         return 0
 
-    def _begin(self, session: pytest.Session, mutant: Mutant, patience: int) -> tuple[int, float]:
+    def _start_trial(
+        self, session: pytest.Session, mutant: Mutant, patience: int
+    ) -> tuple[int, float]:
         """Start a process that tries a mutant; return its process ID and its limit in seconds.
 
         Only tests that enter changed functions can detect the mutant. If no test is known to enter
@@ -371,7 +377,7 @@ class MutantRunner:
         if functions and {*functions} <= {function.__qualname__ for function in self.functions}:
             work = functools.partial(self._run, items, functions)
         folder = f"{self.folder}/{mutant.digest}"
-        return begin(work, patience * seconds, folder), patience * wall
+        return start_process(work, patience * seconds, folder), patience * wall
 
     def _most_likely_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
         """Sort tests by time per detected mutant, but keep files together for shared fixtures."""
@@ -422,7 +428,7 @@ def run_tests(module: str, plugin: object) -> int:
     return pytest.main([*(f"tests/{name}" for name in TESTS[module]), *options], [plugin])
 
 
-def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
+def start_process(work: Callable[[], int], seconds: float, folder: str) -> int:
     """Run `work` in a new process with a limit on processor time; return the process ID.
 
     The process ends with `SURVIVED` if the work returns 0.
@@ -444,7 +450,7 @@ def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
 
 
 def try_all(
-    mutants: list[Mutant], begin_one: Callable[[Mutant, int], tuple[int, float]]
+    mutants: list[Mutant], start_trial: Callable[[Mutant, int], tuple[int, float]]
 ) -> Iterator[tuple[Mutant, str]]:
     """Try mutants in parallel; yield each with its outcome as soon as it is known.
 
@@ -454,7 +460,7 @@ def try_all(
     while waiting or running:
         while waiting and len(running) < len(os.sched_getaffinity(0)):
             mutant, patience = waiting.pop()
-            process, wall = begin_one(mutant, patience)
+            process, wall = start_trial(mutant, patience)
             running[process] = mutant, patience, time.monotonic() + wall
         process, status = os.waitpid(-1, os.WNOHANG)
         if not process:

@@ -37,10 +37,10 @@ class Canvas:
     notes: dict = field(default_factory=dict)  # text in a custom column, by student ID
     separator: str = ","
     decimal_mark: str = "."
-    marked: bool = False
+    marked: bool = False  # whether files begin with a byte order mark
     sis: bool = True
     first_and_last: bool = False
-    manual: bool = False
+    manual: bool = False  # whether assignments are posted manually
 
     def number(self, value):
         return "" if value is None else f"{value:.2f}".replace(".", self.decimal_mark)

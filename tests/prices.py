@@ -22,8 +22,8 @@ from grader.course.rules import MISSED_TASK_KEEPS, ONE_SLIP_KEEPS
 from grader.documentation import lesson_title
 from grader.judging.judge import STARVED_NOTE, judge
 from grader.sandbox import choose_sandbox
+from tests.slip_tables import TABLES, solution_of
 from tests.slips import MISSING, NAIVE, PARTLY, SMALL, USELESS, Slip
-from tests.test_slips import TABLES, solution_of
 
 PAGE = PROJECT / "docs" / "prices.md"
 SEED, WORKERS = 1, 2

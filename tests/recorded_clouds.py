@@ -40,8 +40,8 @@ def read_and_keep_bag(path: str | os.PathLike, topic: str | None = None) -> util
     return bag
 
 
-# Replace the readers before the tests import them. If a reader has several suffixes, the module's
-# function is replaced last for the first one, so calls by name save files with that suffix.
+# Replace the readers before the tests import them. If several suffixes share a reader, the loop
+# ends with the first suffix, so tests that call the reader directly save files with that suffix.
 for suffix, form in reversed(list(FORMATS.items())):
     kept = saving(form.decode, suffix)
     setattr(sys.modules[form.decode.__module__], kept.__name__, kept)

@@ -41,7 +41,8 @@ SWITCHES = (
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )
 BROKEN_IMAGES = """
-return [...document.images].filter((one) => one.complete && !one.naturalWidth).map((one) => one.src)
+return [...document.images].filter((image) => image.complete && !image.naturalWidth)
+  .map((image) => image.src)
 """
 BROKEN_LINES = """
 const parted = [...document.querySelectorAll('span.math')].filter((formula) => {
@@ -54,7 +55,7 @@ const parted = [...document.querySelectorAll('span.math')].filter((formula) => {
 });
 const names = [...document.querySelectorAll('.bd-article code.literal .pre')].filter(
   (name) => name.textContent.length < 16 && name.getClientRects().length > 1);
-return [...parted, ...names].map((one) => one.parentElement.innerText.slice(0, 60));
+return [...parted, ...names].map((part) => part.parentElement.innerText.slice(0, 60));
 """
 WAIT_UNTIL_SETTLED = """
 const done = arguments[arguments.length - 1];
@@ -92,20 +93,20 @@ HEADING = -2.3  # radians, of the playground's first view
 SLIDERS = {"ground": 0.2, "distance": 25, "threshold": 0.3, "least": 20}
 PICTURES_OF_SCENES = """
 const pictures = [...document.querySelectorAll('div.still img')];
-return pictures.length && pictures.every((one) => one.naturalWidth);
+return pictures.length && pictures.every((image) => image.naturalWidth);
 """
 ON_PAPER = """
 const shown = (selector) =>
-  [...document.querySelectorAll(selector)].filter((one) => one.offsetHeight);
+  [...document.querySelectorAll(selector)].filter((element) => element.offsetHeight);
 return [
   shown('iframe.scene').length,
   document.querySelectorAll('iframe.scene').length,
   shown('div.still img').length,
-  shown('.bd-article pre').filter((one) => one.scrollWidth > one.clientWidth + 1)
-    .map((one) => one.innerText.slice(0, 40)),
+  shown('.bd-article pre').filter((block) => block.scrollWidth > block.clientWidth + 1)
+    .map((block) => block.innerText.slice(0, 40)),
 ];
 """
-SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
+SHOW_ALL = "for (const block of document.querySelectorAll('details')) block.open = true"
 
 
 class _QuietHandler(http.server.SimpleHTTPRequestHandler):
@@ -459,7 +460,11 @@ def faults_without_webgl(driver, root):
         time.sleep(2)
         films = driver.find_elements(By.CSS_SELECTOR, "figure.film img")
         panels = driver.find_elements(By.CSS_SELECTOR, "figure.playground")
-        if not films or not films[0].size["height"] or any(one.size["height"] for one in panels):
+        if (
+            not films
+            or not films[0].size["height"]
+            or any(panel.size["height"] for panel in panels)
+        ):
             yield f"{scripts} scripts, the front page without WebGL does not show the film alone"
 
 

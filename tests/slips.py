@@ -1,4 +1,4 @@
-"""Types for tables of the ten likeliest slips in each exercise, with the points they may keep.
+"""Types for tables of the likeliest slips in each exercise, with the points that they may keep.
 
 Each lesson has a module with a table ``SLIPS`` by exercise. A slip is one change to the lesson's
 solution. `tests/test_slips.py` makes the change, runs all checks, and compares the remaining points

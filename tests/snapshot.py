@@ -128,16 +128,16 @@ def differences(before: object, after: object, where: str = "") -> list[str]:
 def compare(paths: list[Path]) -> int:
     """Print how the last file differs from the first; return the number of different answers."""
     *before, after = (json.loads(path.read_text("utf-8")) for path in paths)
-    odd = 0
+    different = 0
     for name in sorted({*before[0], *after}):
         if any(not is_same(before[0].get(name), again.get(name)) for again in before[1:]):
             print(f"{name}: the output is different in each run")
             continue
         lines = differences(before[0].get(name), after.get(name))
-        odd += bool(lines)
+        different += bool(lines)
         print(*(f"{name}{line}" for line in lines), sep="\n", end="\n" if lines else "")
-    print(f"{len(before[0])} answers before, {len(after)} after; {odd} differ")
-    return odd
+    print(f"{len(before[0])} answers before, {len(after)} after; {different} differ")
+    return different
 
 
 def main() -> int:

@@ -38,8 +38,8 @@ from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from grader.sandbox import choose_sandbox
 from tests.answer_equality import compare_values, is_equivalent
 from tests.course_lessons import COURSE
+from tests.slip_tables import solution_of
 from tests.students import student_with
-from tests.test_slips import solution_of
 from utils.checks import checks_of
 from utils.checks.assertions import call_each, observe, time_call
 from utils.checks.run_cache import cached_run
@@ -72,13 +72,13 @@ class Answer:
     exercise: str
     name: str
     cells: tuple[str, ...]
-    theirs: tuple[slicing.Statement, ...]
+    statements: tuple[slicing.Statement, ...]
 
     def code(self, edit=None):
         """Compile the statements, after applying an edit if one is given."""
         texts = [
             edit.statement if edit and contains(statement, edit) else ast.unparse(statement.node)
-            for statement in self.theirs
+            for statement in self.statements
         ]
         return compile("\n".join(texts), ANSWER, "exec")
 
@@ -148,19 +148,21 @@ def answer_in(lesson, exercise, name, content, own=()):
     statements, _ = slicing.parse_notebook(cells)
     others = frozenset(lesson.names) - {exercise}
     needed = slicing.slice_for((exercise,), statements)
-    theirs = tuple(
+    own_statements = tuple(
         statement
         for statement in needed
         if not statement.binds & others or ast.unparse(statement.node) in own
     )
-    return Answer(lesson, exercise, name, tuple(cells), theirs)
+    return Answer(lesson, exercise, name, tuple(cells), own_statements)
 
 
 def mutants_of(answer):
     """Yield the mutants of an answer, except those that compile to the same code."""
     kinds = (ast.FunctionDef, ast.ClassDef)
     seen = {key_of(answer.code())}
-    definitions = [statement for statement in answer.theirs if isinstance(statement.node, kinds)]
+    definitions = [
+        statement for statement in answer.statements if isinstance(statement.node, kinds)
+    ]
     for edit in edits_of(list(answer.cells), definitions):
         with contextlib.suppress(SyntaxError, ValueError):
             code = answer.code(edit)
@@ -193,9 +195,8 @@ def time_limit(seconds):
         raise TakesTooLong
 
     before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(
-        signal.ITIMER_PROF, seconds, 0.1
-    )  # repeated, because some code catches every exception
+    # The signal is repeated every 0.1 s, because some code catches every exception.
+    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)
     try:
         yield
     finally:
@@ -282,10 +283,10 @@ class CheckRunner:
     def record_times(self, function):
         """Record how long each check call takes for a right function, to set time limits."""
         for number, check_call in enumerate(self.check_calls_for(function)):
-            begin = time.process_time()
+            start = time.process_time()
             with cached_run():
                 check_call()
-            self.cost[number] = max(self.cost[number], time.process_time() - begin)
+            self.cost[number] = max(self.cost[number], time.process_time() - start)
 
     def first_failure(self, function):
         """Return the number of a check call that a function fails, or None if it passes all."""
@@ -335,10 +336,10 @@ class Oracle:
         self.calls = runner.calls()
         self.expected, self.answered, self.seconds = [], [], []
         for call in self.calls:
-            begin = time.process_time()
+            start = time.process_time()
             self.expected.append(outcome_of(self.right, call, HANGING_SECONDS))
             self.answered.append(outcome_of(self.answer, call, HANGING_SECONDS))
-            self.seconds.append(time.process_time() - begin)
+            self.seconds.append(time.process_time() - start)
         self.cost = sum(self.seconds)
 
     def counterexample(self, function):

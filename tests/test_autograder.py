@@ -1,5 +1,6 @@
 """The autograder for Gradescope: its zip, isolation, judging and results."""
 
+import dataclasses
 import io
 import json
 import os
@@ -14,17 +15,15 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.judging.judge import judge
-from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
+from grader.judging.verdict import FAILED, ExerciseResult, Slip
 from grader.lms.autograder import __main__ as program
 from grader.lms.autograder import isolation, judging, results
 from grader.lms.autograder.judging import JudgedLesson, JudgedSubmission
 from grader.lms.autograder.package import build_autograder_zip
 from grader.sandbox import SANDBOXES, SandboxUnavailable
+from tests.autograder_verdicts import SEED, SIX, STAGE, exercise_result, verdict
 from tests.prerequisites import ROOT
 
-SEED = 2**64 + 20_170_405
-SIX = find_lesson("06_filter_ground")
-STAGE = SIX.stage
 # Values and keys of gradescope-autograders.readthedocs.io/en/latest/specs/.
 VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
 TEST_KEYS = {
@@ -37,21 +36,6 @@ RESULT_KEYS = {
 }
 
 
-def verdict(exercises=(), status=JUDGED, problems=(), faults=()):
-    score = round(sum(exercise.score for exercise in exercises), 2)
-    return Verdict(SIX.name, "", status, score, 30.0, exercises, problems, 1.0, "k", faults)
-
-
-def exercise(slip=None):
-    checks = (
-        CheckResult("a", "A road is ground", False, 0.0, 6.67, "Yours: 1 <b>", True),
-        CheckResult("b", "A hidden road", False, 0.0, 6.67, "A wall is not a road.", False),
-        CheckResult("c", "Nothing changes", True, 6.66, 6.66, "", False),
-    )
-    kept = slip.score if slip else 0.0
-    return ExerciseResult("filter_ground", round(6.66 + kept, 2), 20.0, checks, "", "a", slip)
-
-
 def results_for(*lessons, leftovers=()):
     return results.build_results(JudgedSubmission(lessons, tuple(leftovers)))
 
@@ -61,7 +45,9 @@ def results_for(*lessons, leftovers=()):
 
 def test_results_have_gradescopes_format_and_add_up():
     found = results_for(
-        JudgedLesson(SIX, verdict((exercise(),), problems=("A cell moved.",)), ("A cell moved.",)),
+        JudgedLesson(
+            SIX, verdict((exercise_result(),), problems=("A cell moved.",)), ("A cell moved.",)
+        ),
         JudgedLesson(find_lesson("07_filter_by_distance")),
         leftovers=["x.ipynb: what is this?"],
     )
@@ -80,7 +66,7 @@ def test_hidden_tests_are_shown_after_the_due_date():
     slip = Slip(3, 2, "a > b", "a >= b", 5.34)
     lesson = JudgedLesson(
         SIX,
-        verdict((exercise(slip),), problems=("A cell moved.", "By a helper.")),
+        verdict((exercise_result(slip),), problems=("A cell moved.", "By a helper.")),
         ("A cell moved.",),
     )
     tests = results_for(lesson)["tests"]
@@ -106,8 +92,8 @@ def test_results_of_a_lesson_that_cannot_be_judged_begin_with_the_reason():
 
 
 def test_points_that_do_not_add_up_raise_an_error():
-    wrong = verdict((exercise(),))
-    wrong = Verdict(**{**vars(wrong), "score": 7.0})
+    wrong = verdict((exercise_result(),))
+    wrong = dataclasses.replace(wrong, score=7.0)
     with pytest.raises(ArithmeticError):
         results_for(JudgedLesson(SIX, wrong))
 
@@ -133,7 +119,7 @@ def judged_calls(monkeypatch):
 
     def judge_one(submitted_files, lesson, student, seed, sandbox, is_alone=False):
         asked.append((submitted_files.name, lesson, student, seed, submitted_files.complaint))
-        return verdict((exercise(),))
+        return verdict((exercise_result(),))
 
     monkeypatch.setattr(judging, "judge_one", judge_one)
     return asked
@@ -174,16 +160,16 @@ def test_each_file_that_is_not_judged_is_listed(root, judged_calls):
     assert not judged_calls
 
 
-@pytest.mark.parametrize("of", ["the file", "its folder"])
-def test_a_link_to_the_solution_is_not_an_answer(root, judged_calls, of):
+@pytest.mark.parametrize("target", ["the file", "its folder"])
+def test_a_link_to_the_solution_is_not_an_answer(root, judged_calls, target):
     """The autograder runs as root, but reads only the submission and does not follow links."""
-    if of == "the file":
+    if target == "the file":
         (root / "submission" / f"{SIX.name}.ipynb").symlink_to(SIX.solved)
     else:
         (root / "submission" / "work").symlink_to(SIX.solved.parent)
     judge_root(root)
     assert all("link" in complaint for *_, complaint in judged_calls)
-    assert len(judged_calls) == (of == "the file")
+    assert len(judged_calls) == (target == "the file")
 
 
 def test_an_assignment_may_consist_of_one_lesson(root, judged_calls):
@@ -197,7 +183,7 @@ def test_a_starved_notebook_is_judged_again(root, monkeypatch):
 
     def judge_one(*about, is_alone=False):
         tries.append(is_alone)
-        return Verdict(**{**vars(verdict((exercise(),))), "starved": not is_alone})
+        return dataclasses.replace(verdict((exercise_result(),)), starved=not is_alone)
 
     monkeypatch.setattr(judging, "judge_one", judge_one)
     assert not judge_root(root).lessons[0].verdict.starved

@@ -77,8 +77,8 @@ def test_every_stub_raises_and_every_solution_is_gone(built_files, lesson):
         source_of(cell)
         for cell in cells_of(built_files[lesson.released])
         if cell["metadata"].get("nbgrader", {}).get("solution")
-        and not cell["metadata"]["nbgrader"]["grade"]
-    ]  # except answers that are graded by hand
+        and not cell["metadata"]["nbgrader"]["grade"]  # without answers that are graded by hand
+    ]
     assert stubs
     for stub in stubs:
         assert stub.rstrip().endswith(STUB)

@@ -130,10 +130,10 @@ def widget(board):
     from utils.by_hand.widget import HandWidget
 
     def send(draw, *messages, on=board):
-        one, answers = HandWidget(draw, on), []
-        one.observe(lambda change: answers.append(change["new"]), "answer")
+        hand_widget, answers = HandWidget(draw, on), []
+        hand_widget.observe(lambda change: answers.append(change["new"]), "answer")
         for content in messages:
-            one._handle_custom_msg(json.loads(json.dumps(content)), [])
+            hand_widget._handle_custom_msg(json.loads(json.dumps(content)), [])
         return answers
 
     return send
@@ -244,12 +244,12 @@ def test_a_circle_without_anywidget_has_sliders(figures, monkeypatch):
 
     def interact(**sliders):
         found.update(sliders)
-        return lambda show: show(**{name: one.value for name, one in sliders.items()}) or show
+        return lambda show: show(**{name: slider.value for name, slider in sliders.items()}) or show
 
     monkeypatch.setattr(ipywidgets, "interact", interact)
     drag_circle(lambda *circle: Drawing(str(circle)), (1, 0.5, 2), POINTS, limits=LIMITS)
     assert figures == ["(1.0, 0.5, 2.0)"]
-    assert {name: (one.min, one.max) for name, one in found.items()} == {
+    assert {name: (slider.min, slider.max) for name, slider in found.items()} == {
         "x": (-4, 6),
         "y": (-2, 3),
         "radius": (0.2, 2.5),
@@ -300,9 +300,9 @@ def test_a_figure_has_the_parts_of_the_drawing(board):
 
 def test_a_figure_has_the_circle_and_its_square(board):
     axes = draw_still(Board(board.limits, board.points, (1.0, 0.5, 1.5)), Drawing())
-    patches = {(type(one).__name__, to_hex(one.get_facecolor()[:3])) for one in axes.patches}
+    patches = {(type(patch).__name__, to_hex(patch.get_facecolor()[:3])) for patch in axes.patches}
     assert {name for name, _ in patches} == {"Circle", "Rectangle"}
-    square = next(one for one in axes.patches if type(one).__name__ == "Rectangle")
+    square = next(patch for patch in axes.patches if type(patch).__name__ == "Rectangle")
     assert square.get_bbox().extents.tolist() == [-0.5, -1.0, 2.5, 2.0]
     plt.close(axes.figure)
 

@@ -16,7 +16,7 @@ from grader.course.rules import MISSED_TASK_KEEPS
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
-from tests import test_cheap_answers
+from tests import cheap_answers
 from tests.students import student_with, with_copied_arguments
 from utils.checks import checks_of
 from utils.checks.diagnosis import diagnose
@@ -28,8 +28,8 @@ MEMORY = 4 * 2**30  # additional bytes, because an edit may create huge arrays
 
 
 def sources():
-    """Return the syntax nodes of all functions in `test_cheap_answers`, by first line and type."""
-    tree = ast.parse(inspect.getsource(test_cheap_answers))
+    """Return the syntax nodes of all functions in `cheap_answers`, by first line and type."""
+    tree = ast.parse(inspect.getsource(cheap_answers))
     kinds = (ast.Lambda, ast.FunctionDef)
     return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}
 
@@ -90,11 +90,11 @@ def repairing_edits(exercise, function):
     lesson = lesson_of(exercise)
     student = student_with(
         lesson,
-        {graded.name: test_cheap_answers.nothing for graded in lesson.machine_graded},
+        {graded.name: cheap_answers.nothing for graded in lesson.machine_graded},
     )
     setattr(student, exercise, with_copied_arguments(function))
     outcomes = run_checks(
-        lesson, student, test_cheap_answers.SEED, lambda check: check.exercise == exercise
+        lesson, student, cheap_answers.SEED, lambda check: check.exercise == exercise
     )
     failed = [outcome.check for outcome in outcomes if outcome.failure]
     found, hidden = [], None
@@ -103,7 +103,7 @@ def repairing_edits(exercise, function):
         shown = visible_calls(student, failed)
         if not all(map(passes, shown)):
             continue
-        hidden = hidden or hidden_calls(lesson, student, test_cheap_answers.SEED, failed)
+        hidden = hidden or hidden_calls(lesson, student, cheap_answers.SEED, failed)
         if all(map(passes, hidden)):
             found.append(text)
     return found
@@ -127,14 +127,14 @@ def limit_memory():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.usefixtures("limit_memory")
-@pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP_ANSWERS)
+@pytest.mark.parametrize("exercise", cheap_answers.CHEAP_ANSWERS)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
     """Answers that miss the point of the exercise are skipped, because they keep fewer points."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
         for name, function in (
-            test_cheap_answers.GENERAL_ANSWERS | test_cheap_answers.CHEAP_ANSWERS[exercise]
+            cheap_answers.GENERAL_ANSWERS | cheap_answers.CHEAP_ANSWERS[exercise]
         ).items():
             if inspect.isfunction(function) and not misses_the_task(exercise, function):
                 kept[name] = repairing_edits(exercise, function)
@@ -148,9 +148,9 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
 def test_known_mistakes_of_cheap_answers_are_marked_as_cheap():
     """Otherwise, a cheap answer with a known mistake would keep 60 % of its points."""
     named = {}
-    for exercise, table in test_cheap_answers.CHEAP_ANSWERS.items():
+    for exercise, table in cheap_answers.CHEAP_ANSWERS.items():
         checks_of(exercise)  # declares the mistakes
-        for name, function in (test_cheap_answers.GENERAL_ANSWERS | table).items():
+        for name, function in (cheap_answers.GENERAL_ANSWERS | table).items():
             with np.errstate(all="ignore"):
                 mistake = diagnose(exercise, function)
             if mistake:

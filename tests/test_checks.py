@@ -641,13 +641,13 @@ def test_a_huge_answer_is_refused_quickly(name):
     for lesson in all_lessons():
         for exercise in lesson.machine_graded:
             for one_check in checks_of(exercise.name):
-                begin = process_time()
+                start = process_time()
                 try:
                     one_check.run(huge_answers(exercise.name, answer))
                     caught = None
                 except Exception as error:
                     caught = error
-                seconds = process_time() - begin
+                seconds = process_time() - start
                 if seconds > 3 and not is_scene(one_check):
                     slow[exercise.name, one_check.name] = seconds
                 assert isinstance(caught, CheckFailed), (exercise.name, one_check.name, caught)

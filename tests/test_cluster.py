@@ -30,17 +30,16 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import Course
 from grader.course.portable_files import FOLDERS
 from grader.judging.verdict import read_verdict
-from tests.prerequisites import without_bubblewrap
-from tests.test_course import gradebook_rows
-from tests.test_faults import InlineExecutor
-from tests.test_grade import (
+from tests.executors import InlineExecutor
+from tests.gradebooks import gradebook_rows, ignore_progress
+from tests.graded_courses import (
     LESSON,
     SEED,
     answered_notebook,
-    ignore_progress,
     make_course,
     record_rehearsal,
 )
+from tests.prerequisites import without_bubblewrap
 
 # Only one cluster runs at a time, because each uses all processors.
 pytestmark = pytest.mark.xdist_group("cluster")

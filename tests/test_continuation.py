@@ -73,13 +73,14 @@ def run_story(monkeypatch, tmp_path, *sources):
     monkeypatch.setattr(lent, "CELLS", tmp_path / "cells.json")
     monkeypatch.setattr(lent, "_LENDING", set())
 
-    def begin(shell):
+    def prepare(shell):
         from utils.tracebacks import hide_course_frames
 
         hide_course_frames()
         lent.lend_answers("99")
 
-    ran = run_cells([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]
+    sources = [SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)]
+    ran = run_cells(sources, prepare)[2:]
     assert not [text for cell in ran for text in cell.tracebacks if "/utils/" in text]
     return ran
 

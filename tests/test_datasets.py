@@ -10,6 +10,7 @@ import pickle
 import shutil
 import ssl
 import struct
+import sys
 import threading
 import urllib.error
 import zipfile
@@ -141,7 +142,7 @@ class TestLoadSequence:
     def test_progress_is_printed_only_in_notebooks(self, capfd):
         datasets.load_sequence("highway")
         printed, errors = capfd.readouterr()
-        in_notebook = "ipykernel" in __import__("sys").modules
+        in_notebook = "ipykernel" in sys.modules
         assert errors == "" and ("Simulating" in printed) == in_notebook
 
     def test_the_error_about_an_unknown_name_lists_known_names(self):

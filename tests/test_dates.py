@@ -17,8 +17,7 @@ from grader.lms.instructor_notes import notes
 from grader.lms.penalties import load_late_penalties
 from grader.lms.results_reader import class_results
 from grader.lms.stage_entries import StageEntry
-from tests.postgresql import NotInstalled, server
-from tests.test_gradebook import (
+from tests.gradebooks import (
     EARNED,
     GROUND,
     LATE_PLUGIN,
@@ -28,6 +27,7 @@ from tests.test_gradebook import (
     penalties,
     verdicts,
 )
+from tests.postgresql import NotInstalled, server
 
 pytestmark = pytest.mark.usefixtures("reading_without_fork")
 

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 import pytest
 
 from grader.course.deadlines_file import DeadlinesError, read_deadlines
+from grader.course.lessons import all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, RosterError
 
@@ -246,7 +247,10 @@ def test_lessons_that_count_are_read_in_their_order(course):
     assert deadlines.assigned_lessons("stage1_ransac") == ("01_point_clouds", "03_ransac_plane")
     assert deadlines.assigned_lessons("stage2_clustering") is None
     assert deadlines.assigned_lessons("stage3_obstacles") is None
-    assert read(course, "[stage1_ransac]\nlessons = []").assigned_lessons("stage1_ransac") == ()
+    deadlines = read(course, "[stage1_ransac]\nlessons = []")
+    assert deadlines.assigned_lessons("stage1_ransac") == ()
+    lessons = [lesson for lesson in all_lessons() if lesson.stage == "stage1_ransac"]
+    assert deadlines.unassigned_lessons(all_lessons()) == lessons
 
 
 LESSON = """

@@ -23,6 +23,7 @@ from utils.drive.ground_truth import distances_to_objects
 from utils.drive.loop import drive
 from utils.drive.metrics import measure
 from utils.drive.motion import Motion, make_motion, match_by_total_distance
+from utils.drive.person import BRAKING_RANGE, SCENERY, look_at_person, street_with_person
 from utils.drive.planner import Planner, TrackedBox, braking_gap, gap_to, plan
 from utils.drive.rules import stopping_distance
 from utils.drive.standards import DriveResult, reference_results
@@ -200,13 +201,13 @@ def decide(*scans, speed=7.0):
 
 def test_obstacles_in_the_lane_for_a_single_scan_do_not_stop_the_car():
     """A raindrop next to a lorry extends the lorry's box into the ego car's lane for one scan."""
-    beside = [tracked_box(2.6 + 6.0, 1.9, name=name) for name in range(3)]
-    reaching = [tracked_box(2.6 + 6.0, 1.6, name=name) for name in range(3)]
-    scans = [[reaching[k] if k == scan else beside[k] for k in range(3)] for scan in range(3)]
+    next_to_lane = [tracked_box(2.6 + 6.0, 1.9, name=name) for name in range(3)]
+    in_lane = [tracked_box(2.6 + 6.0, 1.6, name=name) for name in range(3)]
+    scans = [[in_lane[k] if k == scan else next_to_lane[k] for k in range(3)] for scan in range(3)]
     assert [decision.cause for decision in decide(*scans)] == [None, None, None]
     assert [decision.acceleration for decision in decide(*scans)] == [0.0, 0.0, 0.0]
-    decisions = decide(*[[*scan, reaching[0]] for scan in scans[1:]], scans[0])
-    assert decisions[-1].cause is reaching[0], "one of the obstacles stays in the lane"
+    decisions = decide(*[[*scan, in_lane[0]] for scan in scans[1:]], scans[0])
+    assert decisions[-1].cause is in_lane[0], "one of the obstacles stays in the lane"
 
 
 def test_a_track_over_the_car_counts_only_if_it_is_usually_seen():
@@ -677,6 +678,38 @@ def test_only_actors_are_in_the_lane_of_the_ego_car(street):
     assert all(kind in CLASSES for kind in street.road_users.values())
 
 
+@pytest.mark.parametrize(
+    ("place", "has_box", "brakes"),
+    [
+        ((BRAKING_RANGE - 1.0, 0.0), True, True),
+        ((BRAKING_RANGE + 1.0, 0.0), True, False),  # too far away
+        ((10.0, 2.2), True, False),  # next to our lane
+        ((11.0, -3.2), False, False),  # hidden by a parked car
+    ],
+)
+def test_a_person_is_seen_and_the_car_brakes_in_its_way(place, has_box, brakes):
+    seen = look_at_person(*place, lambda labels: labels * (np.bincount(labels) >= 10)[labels])
+    assert (seen.has_box, seen.brakes) == (has_box, brakes)
+    assert seen.returns >= seen.points > 0
+    blind = look_at_person(*place, np.zeros_like)
+    assert (blind.returns, blind.points) == (seen.returns, seen.points)
+    assert not blind.has_box and not blind.brakes
+
+
+def test_a_person_shares_the_cluster_of_a_parked_car():
+    assert look_at_person(9.0, -1.6, lambda labels: labels).points > 150
+
+
+def test_the_parked_cars_are_where_they_are_drawn():
+    street = street_with_person(12.0, 0.5)
+    *cars, person = street.world(0.0, 40.0, {}).obstacles[-3:]
+    assert (person.pose.x, person.pose.y) == pytest.approx((12.0, 0.5))
+    drawn = np.array(SCENERY["rectangles"]["parked cars"])
+    centres = [(one.pose.x, one.pose.y) for one in cars]
+    assert (drawn[:, :2] + drawn[:, 2:]) / 2 == pytest.approx(np.array(centres))
+    assert drawn[:, 2:] - drawn[:, :2] == pytest.approx(np.array([one.size[:2] for one in cars]))
+
+
 def test_results_of_drives_are_summed():
     both = DriveResult(100.0, 2, 0, 1) + DriveResult(50.0, 0, 1, 0)
     assert both == DriveResult(150.0, 2, 1, 1)
@@ -709,7 +742,7 @@ def test_films_and_pages_are_written(tmp_path):
         trip.save(tmp_path / "film.avi")
 
 
-def test_the_command_drives_and_compares(capsys, monkeypatch):
+def test_the_command_drives_and_compares(capsys):
     assert command.main(["--street", "1", "--seconds", "1"]) == 0
     output = capsys.readouterr().out
     assert "Street 1 · A quiet street: 8 m in 1 s.\n  Mean speed: 30 km/h." in output

@@ -372,6 +372,12 @@ def test_applying_an_edit_changes_only_its_lines(slip):
         assert changed.startswith("é = '²'") and changed.endswith("print(é)")
 
 
+def test_an_axis_gets_no_decimal_point():
+    statements = [edit.statement for edit in edits_in(function("return f(x, axis=2, y=2)"))]
+    assert any("y=0.2" in statement for statement in statements)
+    assert not any("axis=0.2" in statement for statement in statements)
+
+
 @pytest.mark.parametrize("position", [0, 1])
 def test_an_edit_that_deletes_a_line_begins_with_this_line(position):
     lines = ["z = f(x)", "return z"]

@@ -13,7 +13,7 @@ from grader.lms import gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.instructor_notes import notes
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import (
+from tests.gradebooks import (
     DISTANCE,
     EARNED,
     GROUND,
@@ -104,9 +104,7 @@ def test_students_who_leave_the_roster_keep_their_marks_and_are_listed(course):
     (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
     assert len(error_lines(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
     assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
-    assert (
-        marks(course)["bob", "test_filter_by_distance"][0] == 18
-    )  # other students are still graded
+    assert marks(course)["bob", "test_filter_by_distance"][0] == 18, "others are still graded"
     (sentence,) = notes(course, class_results(course), None)
     assert sentence.startswith("'ada' has marks in the gradebook but is not on the roster")
     assert sentence.endswith("nbgrader db student remove ada --force")

@@ -9,7 +9,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, find_lesson, lesson_of
 from grader.judging import judge as judging
 from grader.judging.judge import judge
-from tests.test_slips import solution_of
+from tests.slip_tables import solution_of
 from utils.notebooks import slicing
 
 LESSON = find_lesson("02_ransac_line")
@@ -58,7 +58,8 @@ def test_an_exercise_that_calls_a_wrong_helper_keeps_its_points(helper, name, sa
     [("point_line_distance", "ransac_line"), ("point_plane_distance", "ransac_plane")],
 )
 def test_a_helper_that_returns_a_list_costs_nothing(helper, caller, sandbox, tmp_path):
-    returns_a_list = next(one.source for one in answers_to(helper) if one.name == "returns a list")
+    sources = {variant.name: variant.source for variant in answers_to(helper)}
+    returns_a_list = sources["returns a list"]
     lesson = lesson_of(helper)
     path = tmp_path / f"{lesson.name}.ipynb"
     right = {exercise.name: solution_of(exercise.name) for exercise in lesson.machine_graded}
@@ -111,9 +112,8 @@ def copied_lesson(tmp_path, monkeypatch):
     shutil.copy(PLANE.solved, folder.parent)
     monkeypatch.setattr(Lesson, "source", folder / PLANE.source.name)
     monkeypatch.setattr(Lesson, "solved", folder.parent / PLANE.solved.name)
-    monkeypatch.setattr(
-        judging, "verdict_key", lambda *about: ""
-    )  # the key covers only the project's own files
+    # The key covers only the project's own files.
+    monkeypatch.setattr(judging, "verdict_key", lambda *about: "")
     return Lesson(PLANE.name, PLANE.stage)
 
 

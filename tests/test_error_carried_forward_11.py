@@ -5,7 +5,7 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.judging.judge import judge
-from tests.test_slips import solution_of
+from tests.slip_tables import solution_of
 from utils.checks import check
 from utils.checks.core import ChecksFailed
 
@@ -70,7 +70,7 @@ def test_axes_in_a_list_cost_nothing(sandbox, tmp_path):
         "\n\ndef principal_axes(points):\n    return axes_of(points).tolist()\n"
     )
     judged = results(in_a_list, AS_HINTED, sandbox, tmp_path)
-    assert [one.score for one in judged.values()] == [one.max_score for one in judged.values()]
+    assert all(result.score == result.max_score for result in judged.values())
     assert "principal_axes, which get_oriented_boxes calls, is right" in (
         judged["get_oriented_boxes"].cause
     )

@@ -140,11 +140,12 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     """In a spreadsheet, a 0 would count in the mean."""
     auditor = dataclasses.replace(CY, role="auditor")
     audited = [
-        dataclasses.replace(one, status=AUDITOR)
-        for one in results_of(auditor, {SIX: 30.0, SEVEN: 20.0, TWELVE: 40.0})[0]
+        dataclasses.replace(result, status=AUDITOR)
+        for result in results_of(auditor, {SIX: 30.0, SEVEN: 20.0, TWELVE: 40.0})[0]
     ]
     stages = [
-        dataclasses.replace(one, status=AUDITOR) for one in results_of(auditor, {SIX: 30.0})[1]
+        dataclasses.replace(result, status=AUDITOR)
+        for result in results_of(auditor, {SIX: 30.0})[1]
     ]
     results = class_of(
         results_of(ADA, {SIX: 0.0}),
@@ -194,8 +195,8 @@ def test_marks_of_students_who_are_not_on_the_roster_are_reported():
 # Marks of one assignment
 
 
-def exported_marks(assignment, results=CLASS, **order):
-    export = collect_marks(ExportOptions(Course(), results, assignment, **order))
+def exported_marks(assignment, results=CLASS, **options):
+    export = collect_marks(ExportOptions(Course(), results, assignment, **options))
     return export, {mark.person.id: mark.points for mark in export.marks}
 
 
@@ -348,7 +349,7 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
         assert "gradebook contains no marks. Run: python -m grader grade" in capsys.readouterr().err
 
 
-def test_the_table_is_exported_by_default(export, tmp_path, capsys):
+def test_the_table_is_exported_by_default(export, tmp_path):
     assert export() == commands.SUCCESS
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8-sig") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}

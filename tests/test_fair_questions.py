@@ -1,5 +1,6 @@
 """Questions about code are fair: students can find the one right choice on paper, from the code."""
 
+import dataclasses
 from random import Random
 
 import numpy as np
@@ -268,7 +269,7 @@ def test_a_line_that_runs_once_per_call_is_not_counted():
 def test_the_only_line_that_differs_is_marked():
     part = "points = np.zeros(3)\nf(points, {})"
     known = behaviour({}, cases=(Case(part.format(3), larger=part.format(6)),))
-    known = Behaviour(**{**vars(known), "own": (Run("5", {3: 3}), Run("5", {3: 6}))})
+    known = dataclasses.replace(known, own=(Run("5", {3: 3}), Run("5", {3: 6})))
     (question,) = [q for q in cost_questions(known, Random(1)) if "part 2" in q.text]
     assert question.text == (
         "Part 1 runs line 3 of your code 3 times. How many times does part 2 run line 3?"
@@ -347,7 +348,7 @@ def test_a_key_does_not_depend_on_the_choice_of_singular_vectors(sandbox):
     )
     code = cases_of("plane_through")[2].code
     line = next(line.number for line in known.lines if "svd" in line.text)
-    (values,) = [known.own[2].values(line, name) for name in ("directions",)]
+    values = known.own[2].values(line, "directions")
     vectors = ValueClaim(code, line, "directions", 0, values[0])
     rows = ValueClaim(code, line - 1, "rows", 0, known.own[2].values(line - 1, "rows")[0])
     normal = OutcomeClaim(code, None, known.own[2].outcome)

@@ -1,85 +1,39 @@
 """No student loses points through faults of the judge, the machine or other students' code."""
 
-import contextlib
+import dataclasses
 import json
 import os
-import subprocess
-import sys
 import threading
-import time
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
-from importlib import metadata
-from types import SimpleNamespace
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 
 import pytest
 
 from grader import cli, commands
-from grader.classroom import doctor, grade, rehearsals
+from grader.classroom import grade, rehearsals
 from grader.classroom.executors import EXECUTORS, processor_count
 from grader.classroom.pool import Pool
 from grader.classroom.protocol import ExecutorLost
-from grader.classroom.submissions import find_submissions, unaccounted_files
-from grader.console import progress_bar
+from grader.classroom.submissions import find_submissions
 from grader.course.kept_answers import answers_to, fill_in
-from grader.course.lessons import all_lessons, find_lesson
-from grader.course.paths import Course
 from grader.grading import grade_course
 from grader.judging import judge as judging
 from grader.judging import program_run
 from grader.judging.collection import JudgeFault
-from grader.judging.runner import run_checks
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
-from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, time_budget, usage
-from grader.sandbox.failures import StudentStopped
-from grader.sandbox.program import Program
-from grader.sandbox.protocol import Thread
-from grader.sandbox.student import StudentProxy
-from tests.archives import notebook
-from tests.prerequisites import PATIENCE
-from tests.test_grade import record_rehearsal
+from grader.sandbox import SANDBOXES, SandboxUnavailable
+from tests.class_of_three import LESSON, RIGHT, SEED, class_of_three, grade_class
+from tests.executors import InlineExecutor
+from tests.graded_courses import record_rehearsal
 
-SEED = 20_170_405
-LESSON = find_lesson("06_filter_ground")
-RIGHT = {
-    exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
-    for exercise in ("filter_ground", "voxel_grid")
-}
 WRONG = {
     "voxel_grid": next(answer.source for answer in answers_to("voxel_grid") if not answer.right)
 }
-
-
-WORK = """
-import os, time
-def work(): sum(range(2 * 10**7))
-def delegate():
-    if os.fork() == 0:
-        work()
-        os._exit(0)
-    os.wait()
-def wait(): time.sleep(1.5)
-"""
 
 
 @pytest.fixture(autouse=True)
 def empty_cache(monkeypatch):
     """Empty the cache of right notebooks, which earlier tests may have filled."""
     monkeypatch.setattr(judging, "_full_mark_decisions", {})
-
-
-class InlineExecutor(Executor):
-    """Executor that runs jobs immediately in this process, where tests can replace functions."""
-
-    def __init__(self, workers):
-        pass
-
-    def submit(self, function, *arguments):
-        future = Future()
-        try:
-            future.set_result(function(*arguments))
-        except Exception as error:
-            future.set_exception(error)
-        return future
 
 
 class DeadlyExecutor(Pool):
@@ -97,21 +51,7 @@ class DeadlyExecutor(Pool):
 
 @pytest.fixture
 def course(tmp_path):
-    """Return a course in which three students submit right answers."""
-    course = Course(tmp_path / "course")
-    for student in ("ada", "poison", "zoe"):
-        path = course.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
-        path.parent.mkdir(parents=True)
-        path.write_text(fill_in(LESSON, RIGHT), "utf-8")
-    return course
-
-
-def grade_class(
-    course, sandbox, open_executor=InlineExecutor, workers=1, progress=lambda *news: None
-):
-    """Grade the course; return the verdict of each student."""
-    judged = grade.judge_class(course, (), SEED, sandbox, open_executor, workers, progress)
-    return {submission.student: verdict for submission, verdict in judged}
+    return class_of_three(tmp_path / "course")
 
 
 def add_long_text(path):
@@ -547,260 +487,13 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
         calls.append(student)
         verdict = original(submitted_files, seed, sandbox, lesson, student)
         starved = student == "poison" and calls.count("poison") == 1
-        return type(verdict)(**{**verdict.__dict__, "starved": starved})
+        return dataclasses.replace(verdict, starved=starved)
 
     monkeypatch.setattr(grade, "judge_files", starving)
     verdicts = grade_class(course, sandbox)
     assert calls == ["ada", "poison", "zoe", "poison"]
     assert not verdicts["poison"].starved and verdicts["poison"].score == 30
     assert grade_class(course, sandbox) == verdicts and len(calls) == 4
-
-
-@contextlib.contextmanager
-def crowd_processor(student, others):
-    """Run `others` busy processes on the same processor as the student's process."""
-    processor = {min(os.sched_getaffinity(0))}
-    student._ensure_running()
-    os.sched_setaffinity(student._worker.pids[-1], processor)
-    # Each process has its own session, because some kernels share processor time among sessions.
-    command = [sys.executable, "-c", "while True: pass"]
-    busy = [subprocess.Popen(command, start_new_session=True) for _ in range(others)]
-    try:
-        for process in busy:
-            os.sched_setaffinity(process.pid, processor)
-        yield
-    finally:
-        for process in busy:
-            process.kill()
-            process.wait()
-
-
-COMPUTING_FUNCTION = """
-import time
-def f(seconds):
-    end = time.process_time() + seconds
-    while time.process_time() < end: pass
-    return seconds
-def wait(seconds): time.sleep(seconds)
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("others", [1, 3, 7])
-def test_sharing_the_processor_does_not_cost_time(sandbox, others):
-    """The call needs 0.9 s of its 1 s; next to three busy processes, it lasts 3.6 s."""
-    limits = Limits(call_seconds=1.0)
-    with (
-        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
-        crowd_processor(student, others),
-    ):
-        assert student.f(0.9) == 0.9
-        assert not student.starved
-        assert student._budget.seconds > limits.total_seconds - 1.5
-
-
-SHORT_WORK = """
-import os, threading, time
-def work():
-    end = time.thread_time() + 0.02
-    while time.thread_time() < end: pass
-def threads():
-    for _ in range(30):
-        thread = threading.Thread(target=work)
-        thread.start()
-        thread.join()
-def children():
-    for _ in range(30):
-        if os.fork() == 0:
-            work()
-            os._exit(0)
-        os.wait()
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["threads", "children"])
-def test_waiting_for_threads_or_children_that_lack_a_processor_does_not_count_as_sleep(
-    sandbox, name
-):
-    """The kernel discards the waiting times of finished threads; the call is not starved."""
-    program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
-    with StudentProxy(program, sandbox, limits) as student, crowd_processor(student, 5):
-        assert getattr(student, name)() is None
-        assert not student.starved
-
-
-@pytest.mark.slow
-def test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved(sandbox):
-    limits = Limits(call_seconds=0.5)
-    with (
-        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
-        crowd_processor(student, 3),
-    ):
-        with pytest.raises(StudentStopped, match="did not answer within 0.5 seconds"):
-            student.f(60)
-        assert not student.starved
-
-
-@pytest.mark.slow
-def test_a_call_that_the_wall_clock_stops_is_starved(sandbox):
-    """The call gets an eighth of the processor, so it might have finished on an idle machine."""
-    limits = Limits(call_seconds=8.0, wall_seconds=4.0)
-    with (
-        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
-        crowd_processor(student, 7),
-    ):
-        with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
-            student.f(6)
-        assert student.starved
-        with pytest.raises(StudentStopped, match="Not run: the notebook has used up its 4"):
-            student.f(0)
-
-
-@pytest.mark.slow
-def test_calls_that_wait_for_a_processor_may_exceed_the_elapsed_time(sandbox):
-    limits, begin = Limits(wall_seconds=4.0), time.monotonic()
-    with (
-        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
-        crowd_processor(student, 7),
-    ):
-        while time.monotonic() - begin < 6:
-            student.f(0.1)  # it lasts 0.8 s
-        assert not student.starved
-
-
-@pytest.mark.slow
-def test_a_sleeping_call_is_stopped_like_a_busy_one_and_not_starved(sandbox):
-    program = Program((COMPUTING_FUNCTION,), ("f", "wait"))
-    for name in ("f", "wait"):
-        with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
-            begin = time.monotonic()
-            with pytest.raises(StudentStopped, match="did not answer"):
-                getattr(student, name)(60)
-            assert not student.starved
-            assert student._budget.seconds == pytest.approx(179.4, abs=0.5)
-            assert name == "f" or time.monotonic() - begin < PATIENCE
-
-
-@pytest.mark.slow
-def test_calls_have_more_time_if_waiting_times_are_unknown(sandbox, monkeypatch):
-    monkeypatch.setattr(usage, "_records_delays", lambda: False)
-    program = Program((COMPUTING_FUNCTION,), ("f", "wait"))
-    with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
-        assert student.f(0.1) == 0.1
-        student.wait(0.8)  # not stopped, because the processor may have been busy
-        with pytest.raises(StudentStopped, match="did not answer"):
-            student.wait(60)
-        assert student.starved
-
-
-class FakeWorker:
-    """A worker that only reports how much time it has used."""
-
-    def __init__(self):
-        self.worked, self.delayed, self.ready = 7.0, {1: 3.0, 2: 5.0}, False
-
-    def cpu_seconds(self):
-        return self.worked
-
-    def threads(self):
-        return {number: Thread(delayed, self.ready) for number, delayed in self.delayed.items()}
-
-
-@pytest.mark.parametrize(
-    "waited, worked, delayed, seconds",
-    [
-        (1.0, 0.9, {1: 3.1, 2: 5.0}, 0.9),
-        (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4),  # other processes also ran
-        (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0),  # the call slept
-        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads waited for each other
-        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several threads ran at once
-        (3.0, 0.1, {1: 5.9, 2: 5.0}, 0.1),
-        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the kernel's clock has not ticked yet
-    ],
-)
-def test_a_call_is_charged_only_for_time_in_which_it_does_not_wait(
-    waited, worked, delayed, seconds, monkeypatch
-):
-    now, worker = [100.0], FakeWorker()
-    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "own_seconds", lambda: 0.0)
-    meter = time_budget.Meter(worker)
-    now[0] += waited
-    worker.worked, worker.delayed = worker.worked + worked, delayed
-    meter.measure(answered=True)
-    assert meter.seconds == pytest.approx(seconds)
-
-
-@pytest.mark.parametrize("delayed, seconds_left", [(300.0, 597.0), (0.0, 297.0)])
-def test_only_waiting_and_the_judges_time_postpone_the_deadline(delayed, seconds_left, monkeypatch):
-    now, ours, worker = [100.0], [2.0], FakeWorker()
-    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
-    budget = time_budget.Budget(Limits(wall_seconds=600.0))
-    time_limit = time_budget.TimeLimit(worker, 10.0, budget.deadline)
-    now[0] += 1.0
-    time_limit()
-    now[0] += 302.0  # the worker works for 2 s, and waits or sleeps
-    worker.worked, worker.delayed[1] = worker.worked + 2.0, worker.delayed[1] + delayed
-    time_limit.used_seconds()
-    budget.postpone_deadline(time_limit.waiting_seconds())
-    now[0] += 50.0
-    ours[0] += 50.0
-    assert budget.seconds_to_deadline() == pytest.approx(seconds_left)
-
-
-def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
-    now, ours = [100.0], [2.0]
-    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
-    meter = time_budget.Meter(FakeWorker())
-    now[0] += 1.0
-    ours[0] += 0.6
-    meter.measure(answered=True)
-    assert meter.seconds == pytest.approx(0.4)
-
-
-def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
-    """While threads are ready to run, a call waits and does not sleep."""
-    now, ours, worker = [100.0], [2.0], FakeWorker()
-    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
-    meter = time_budget.Meter(worker)
-    for ready, worked, passed, at_work, taken in (
-        (True, 0.1, 1.0, 0.0, 0.1),  # other processes ran in the rest of the time
-        (False, 0.0, 0.5, 0.2, 0.4),  # the call slept, partly while the judge worked
-        (True, 0.2, 0.4, 0.0, 0.6),
-        (True, 0.3, 1.0, 0.0, 0.9),
-    ):
-        worker.ready, worker.worked = ready, worker.worked + worked
-        now[0] += passed
-        ours[0] += at_work
-        meter.measure()
-        assert meter.seconds == pytest.approx(taken)
-    # A call that has answered seems to sleep, so the share of sleep before the answer is used.
-    worker.ready = False
-    now[0] += 1.0
-    meter.measure(answered=True)
-    assert meter.seconds == pytest.approx(0.9 + 0.3 / 2.7)
-
-
-@pytest.mark.slow
-def test_sleep_counts_towards_the_limit_but_waiting_for_a_processor_does_not(sandbox):
-    with StudentProxy(Program((COMPUTING_FUNCTION,), ("f", "wait")), sandbox) as student:
-        # Sleep is sampled, so some sleep counts as waiting for a processor on a busy machine.
-        assert student.wait.timed(1)[1] > 0.3
-        with crowd_processor(student, 11):
-            assert student.f.timed(0.3)[1] < 1.8  # it lasts 3.6 s
-        assert not student.starved
-
-
-@pytest.mark.slow
-def test_the_work_of_children_is_counted(sandbox):
-    with StudentProxy(Program((WORK,), ("work", "delegate", "wait")), sandbox) as student:
-        own = student.work.timed()[1]
-        assert student.delegate.timed()[1] > own / 2 > 0.02
-        assert 0.5 < student.wait.timed()[1] < 3
 
 
 @pytest.mark.slow
@@ -821,24 +514,13 @@ def test_a_folder_name_that_is_not_text_does_not_stop_grading(course, sandbox, c
     assert "rgen" in capsys.readouterr().out
 
 
-def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
-    (course.submitted / "thief").mkdir()
-    (course.submitted / "thief" / LESSON.stage).symlink_to(
-        course.submitted / "ada" / LESSON.stage, target_is_directory=True
-    )
-    (course.submitted / "twin").symlink_to(course.submitted / "ada", target_is_directory=True)
-    verdicts = grade_class(course, sandbox)
-    assert verdicts["ada"].score == 30
-    for name in ("thief", "twin"):
-        assert verdicts[name].score == 0
-        assert "in a linked folder" in verdicts[name].problems[0]
-
-
 def test_verdict_files_have_ordinary_permissions(course, sandbox):
     grade_class(course, sandbox)
     umask = os.umask(0)
     os.umask(umask)
-    for path in course.verdicts.rglob("*.json"):
+    paths = list(course.verdicts.rglob("*.json"))
+    assert paths
+    for path in paths:
         assert path.stat().st_mode & 0o777 == 0o666 & ~umask
         assert read_verdict(path) or path.parent.name == ".rehearsed"
 
@@ -849,177 +531,3 @@ def test_workers_must_be_at_least_one(capsys):
         cli.main(["grade", "--workers", "0"])
     assert caught.value.code == 2
     assert "must be at least 1, not" in capsys.readouterr().err
-
-
-def test_files_that_are_not_judged_are_listed_with_a_reason(course):
-    stage = course.submitted / "ada" / LESSON.stage
-    (stage / "helper.py").write_text("")
-    (stage / "timestamp.txt").write_text("")
-    (stage / "submission_secret.txt").write_text("")
-    assert unaccounted_files(course) == []
-    (stage / "08_bounding_boxes.md").write_text("")
-    (stage / "06_filter_ground.py").write_text("")
-    (stage / "my work.zip").write_bytes(b"")
-    (stage / "01_point_clouds.ipynb").write_text("{}")
-    (course.submitted / "ada" / "06_filter_ground.ipynb").write_text("{}")
-    reasons = {str(path): reason for path, reason in unaccounted_files(course)}
-    assert set(reasons.values()) == {
-        "it is not a notebook; submit 08_bounding_boxes.ipynb as Jupyter saves it",
-        "it is not a notebook; submit 06_filter_ground.ipynb as Jupyter saves it",
-        "it is a zip; run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
-        "--stage stage3_obstacles --who 'my work=ada', and delete the zip",
-        "01_point_clouds belongs to stage1_ransac; move it to ada/stage1_ransac/",
-        "it is not in <student>/<stage>/; move it to ada/stage3_obstacles/",
-    }
-    assert len(find_submissions(course)) == 3
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "06_filter_ground (1).ipynb",
-        "06_filter_ground-Copy1.ipynb",
-        "Copy of 06_filter_ground.ipynb",
-        "06_Filter_Ground.IPYNB",
-        "ada_lovelace_123_456_06_filter_ground-2.ipynb",
-        "homework/06_filter_ground.ipynb",
-        "8 final.ipynb",  # its content identifies the lesson
-        "06_filter_ground.ipynb.txt",
-        "06_filter_ground.ipynb.json",
-        "8.IPYNB.txt",
-    ],
-)
-def test_a_renamed_file_is_recognised_and_noted(course, name):
-    stage = course.submitted / "eve" / LESSON.stage
-    (stage / name).parent.mkdir(parents=True)
-    (stage / name).write_bytes(notebook(LESSON.name))
-    (found,) = [
-        submission for submission in find_submissions(course) if submission.student == "eve"
-    ]
-    notes = found.read(course).notes
-    assert bool(notes) == (found.path.name != "06_filter_ground.ipynb")
-    assert unaccounted_files(course) == []
-
-
-def test_a_folder_with_many_files_is_listed_instead_of_the_files(course):
-    stage = course.submitted / "ada" / LESSON.stage
-    for number in range(30):
-        (stage / f"{number}.png").write_text("")
-        module = stage / f"venv/lib/python3.12/site-packages/numpy/{number}.ipynb"
-        module.parent.mkdir(parents=True, exist_ok=True)
-        module.write_text("")
-        (stage / "venv" / "bin" / str(number)).mkdir(parents=True)
-        (stage / "venv" / "bin" / str(number) / "activate").write_text("")
-    (course.submitted / "eve" / LESSON.stage).mkdir(parents=True)
-    (course.submitted / "eve" / LESSON.stage / "photo.png").write_text("")
-    reason = "it is not a notebook from this course"
-    assert {str(path): reason for path, reason in unaccounted_files(course)} == {
-        f"submitted/ada/{LESSON.stage}": f"30 files: {reason}",
-        f"submitted/ada/{LESSON.stage}/venv": f"30 files: {reason}",
-        f"submitted/eve/{LESSON.stage}/photo.png": reason,
-    }
-
-
-def test_the_newest_of_several_files_counts(course):
-    stage = course.submitted / "eve" / LESSON.stage
-    stage.mkdir(parents=True)
-    for age, name in enumerate(
-        ("06_filter_ground (1)", "06_filter_ground", "06_filter_ground (2)")
-    ):
-        (stage / f"{name}.ipynb").write_text("{}")
-        os.utime(stage / f"{name}.ipynb", (1000, 1000 + (age == 1)))
-    (found,) = [
-        submission for submission in find_submissions(course) if submission.student == "eve"
-    ]
-    assert found.path.name == "06_filter_ground.ipynb"
-    assert "The newest, 06_filter_ground.ipynb, was judged" in found.read(course).notes[0]
-    os.utime(stage / "06_filter_ground.ipynb", (1000, 1000))  # now the number of the copy decides
-    (found,) = [item for item in find_submissions(course) if item.student == "eve"]
-    assert found.path.name == "06_filter_ground (2).ipynb"
-    assert unaccounted_files(course) == []
-
-
-def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatch):
-    """No progress bar is shown if the solutions have already been judged."""
-    # Sandboxes and versions depend on the machine; other tests cover them.
-    monkeypatch.setattr(doctor, "_examine_sandboxes", lambda: ())
-    monkeypatch.setattr(doctor, "_examine_versions", lambda: ())
-    steps, bars = [], []
-    monkeypatch.setattr(rehearsals, "rehearse_one", lambda *about: ())
-
-    @contextlib.contextmanager
-    def bar(title):
-        bars.append(title)
-        yield lambda done, total, what: steps.append((done, total))
-
-    for _ in range(2):
-        assert all(
-            finding.is_good
-            for finding in doctor.examine(course, 1, sandbox, InlineExecutor(1), bar)
-        )
-    assert len(bars) == 1
-    assert steps == [(done, 12) for done in range(13)]
-
-
-def test_the_doctor_lists_problems(course, sandbox, monkeypatch):
-    monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
-    (course.submitted / "ada" / "lost.ipynb").write_text("{}")
-    course.seed_file.write_text("1")
-    course.seed_file.chmod(0o644)
-    findings = list(doctor.examine(course, 1, sandbox, InlineExecutor(1), progress_bar))
-    wrong = {finding.subject: finding.text for finding in findings if not finding.is_good}
-    assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
-    subjects = [finding.subject for finding in findings]
-    for subject in ("packages", "isolation", "disk", "solutions", "sandbox bubblewrap"):
-        assert subject in subjects
-    python = next(finding.text for finding in findings if finding.subject == "Python")
-    version = ".".join(map(str, sys.version_info[:2]))
-    assert f"Students may use Python {version} or older." in python
-
-
-@pytest.mark.parametrize("with_dask", [False, True])
-def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_dask):
-    found = {"rich": "0.1"} | dict.fromkeys(("dask", "distributed"), "0.2" if with_dask else None)
-
-    def version(name, version=metadata.version):
-        if name in found and found[name] is None:
-            raise metadata.PackageNotFoundError(name)
-        return found.get(name) or version(name)
-
-    monkeypatch.setattr(doctor.metadata, "version", version)
-    wrong = [finding.text for finding in doctor._examine_versions() if not finding.is_good]
-    assert len(wrong) == 1 + with_dask
-    assert "rich is 0.1, but should be " in wrong[0]
-    assert wrong[0].endswith(". Run: pip install -r requirements.txt")
-    if with_dask:
-        assert (
-            "dask is 0.2, but should be " in wrong[1]
-            and "distributed is 0.2, but should be " in wrong[1]
-        )
-        assert wrong[1].endswith(". Run: pip install -r requirements-cluster.txt")
-
-
-def test_the_doctor_reports_a_course_that_student_code_could_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(doctor, "is_shown", lambda path: path == tmp_path)
-    finding = doctor._examine_boundary(Course(tmp_path))
-    assert not finding.is_good and str(tmp_path) in finding.text
-
-
-def test_the_doctor_checks_that_hidden_tests_cannot_be_read(monkeypatch):
-    checked = []
-    monkeypatch.setattr(doctor, "is_shown", lambda path: checked.append(path))
-    assert doctor._examine_boundary(Course()).is_good
-    for lesson in all_lessons():
-        assert any(lesson.tests.is_relative_to(path) and path.is_dir() for path in checked)
-
-
-@pytest.mark.slow
-def test_visible_checks_run_before_hidden_tests(lesson):
-    """Otherwise, a function could store a hidden test's input and reveal it in a visible check."""
-
-    def stub(*arguments, **keywords):
-        raise NotImplementedError
-
-    student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
-    visible = [outcome.check.is_shown for outcome in run_checks(lesson, student, SEED)]
-    assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

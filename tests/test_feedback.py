@@ -177,7 +177,7 @@ def test_times_are_in_the_time_zone_of_the_course():
     )
 
 
-def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
+def test_lateness_and_penalty_are_stated_in_words():
     (sentence,) = sentences(-timedelta(hours=1))
     assert sentence.startswith("Submitted on time, on 20 November 2026 at ")
     late, penalty = sentences(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
@@ -243,7 +243,7 @@ def grade(course):
     for submission in find_submissions(course):
         content = invented_verdict(submission.lesson, submission.student)
         fingerprint = submission.read(course).fingerprint()
-        content = Verdict(**{**vars(content), "fingerprint": fingerprint})
+        content = dataclasses.replace(content, fingerprint=fingerprint)
         write_verdict(content, submission.verdict_path(course))
         entered.append((submission, content))
     enter_verdicts(course, entered, [STAGE], lambda done, total, student: None)
@@ -525,7 +525,7 @@ def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
     assert "match_boxes (Score: 2.25 / 5.0)" in head and "write_up (Score: 7.5 / 10.0)" in head
     assert "Test cell" not in page and "Written response" not in page
     assert "img { max-width: 100%" in page
-    assert "<mfrac>" in page and "12 more cannot be judged" not in page
+    assert "<mfrac>" in page and "12 more cannot be tested" not in page
     ten = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TEN.name}.html").read_text()
     assert "12 more cannot be tested until this is right." in ten
 
@@ -602,8 +602,8 @@ def test_a_team_in_canvas_is_listed_without_an_error(tmp_path, monkeypatch, caps
     who = {"teamred_77": "ada,bjorn"}
     course = make_course(tmp_path / "course", files, decisions=who)
     assert run_feedback(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
-    told = capsys.readouterr()
-    assert "Not in the zip." in told.out and "ada: submitted as teamred_77" in told.out
+    printed = capsys.readouterr()
+    assert "Not in the zip." in printed.out and "ada: submitted as teamred_77" in printed.out
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]
     assert {parse_canvas(name)[0] for name in archive(tmp_path / f"{STAGE}_canvas.zip")} == {"4003"}
 
@@ -690,9 +690,9 @@ def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     course = moodle_course(tmp_path / "course", teams, answers)
     assert run_feedback(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     assert [parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
-    told = capsys.readouterr()
-    assert "bjorn: submitted as Team Red, which may be a team" in told.out
-    assert told.err.count("No feedback was written") == 0
+    printed = capsys.readouterr()
+    assert "bjorn: submitted as Team Red, which may be a team" in printed.out
+    assert printed.err.count("No feedback was written") == 0
     waiting = f"still have to be graded by hand:\n  {TWELVE.name} for ada, bjorn\n"
-    assert waiting in told.out
+    assert waiting in printed.out
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]

@@ -22,10 +22,10 @@ from utils.notebooks.forbidden import StandIn, StandInModule
 SWEEP = '''
 import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
 
-def failures(tops, without, after=lambda: None):
-    """{module: (exception, missing module)} of all that cannot be imported, and how many can."""
+def failures(packages, without, after=lambda: None):
+    """Return {module: (exception, missing module)} for failed imports, and the number of others."""
     failed, count = {}, 0
-    for name in public_modules([top for top in tops if top not in without]):
+    for name in public_modules([package for package in packages if package not in without]):
         if any(f"{name}.".startswith(f"{module}.") for module in without):
             continue
         try:
@@ -41,11 +41,11 @@ def failures(tops, without, after=lambda: None):
         after()
     return failed, count
 
-def public_modules(tops):
-    for top in tops:
-        yield top
-        folders = importlib.util.find_spec(top).submodule_search_locations
-        for found in pkgutil.walk_packages(folders, f"{top}.", onerror=lambda name: None):
+def public_modules(packages):
+    for package in packages:
+        yield package
+        folders = importlib.util.find_spec(package).submodule_search_locations
+        for found in pkgutil.walk_packages(folders, f"{package}.", onerror=lambda name: None):
             if not any(part[0] == "_" or part == "tests" for part in found.name.split(".")):
                 yield found.name
 '''
@@ -56,11 +56,11 @@ NOTEBOOK_SWEEP = (
 import json
 from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
-tops, without, forbidden, first = json.loads(sys.argv[1])
+packages, without, forbidden, first = json.loads(sys.argv[1])
 for name in first:
     importlib.import_module(name)
 with BlockedModules(forbidden) as refusing:
-    failed = failures(tops, without, refusing.hide)
+    failed = failures(packages, without, refusing.hide)
 left = [
     f"{name}.{inner}"
     for name, module in list(sys.modules.items())
@@ -80,8 +80,8 @@ def import_names(packages):
 
 @functools.cache
 def failed_imports_in_sandbox(packages, without, forbidden, sandbox):
-    """Return the modules that cannot be imported in the sandbox, and the number of the others."""
-    source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
+    """Return the modules that cannot be imported in the sandbox, and the number of others."""
+    source = f"{SWEEP}\ndef f(packages, without):\n    return failures(packages, without)\n"
     program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
     limits = Limits(call_seconds=100.0, total_seconds=200.0)
     with StudentProxy(program, sandbox, limits) as student:
@@ -130,8 +130,8 @@ def test_all_modules_that_a_lesson_allows_can_be_imported(lesson, sandbox):
     only_there = {name: missing for name, (_, missing) in judged[0].items() if name not in plain}
     installed = metadata.packages_distributions()
     for name, missing in only_there.items():
-        top = missing.partition(".")[0]
-        assert top in installed and top not in visible, f"{name}: {judged[0][name]}"
+        package = missing.partition(".")[0]
+        assert package in installed and package not in visible, f"{name}: {judged[0][name]}"
 
 
 # ---- use of libraries ----------------------------------------------------------------------------

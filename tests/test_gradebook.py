@@ -19,10 +19,9 @@ from grader.classroom.submissions import find_submissions
 from grader.course import paths
 from grader.course.deadlines import Deadlines
 from grader.course.kept_answers import fill_in
-from grader.course.lessons import find_lesson
 from grader.course.nbgrader_settings import make_converter
 from grader.course.paths import Course
-from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
+from grader.judging.verdict import FAILED
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
 from grader.lms.feedback import FeedbackCollector
@@ -35,75 +34,25 @@ from grader.lms.registration import register_stages
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
 from grader.lms.results_reader import class_results
 from grader.lms.stage_entries import StageEntry
+from tests.gradebooks import (
+    DISTANCE,
+    EARNED,
+    GROUND,
+    LATE_PLUGIN,
+    STAGE,
+    STREAM,
+    ignore_progress,
+    inode,
+    make_course,
+    marks,
+    penalties,
+    set_due,
+    submit,
+    verdict_on,
+    verdicts,
+)
 
 pytestmark = pytest.mark.usefixtures("reading_without_fork")
-
-GROUND = find_lesson("06_filter_ground")
-DISTANCE = find_lesson("07_filter_by_distance")
-STREAM = find_lesson("12_streaming_obstacles")
-STAGE = GROUND.stage
-# Points of each exercise by student and lesson.
-EARNED = {
-    "ada": {GROUND: (3.25, 8.5), DISTANCE: (11.75, 2.0, 4.5)},
-    "bob": {DISTANCE: (19.5, 0.0, 1.25)},
-}
-
-
-def submit(course, student, lesson, text=""):
-    path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(fill_in(lesson, {}) + text, "utf-8")
-
-
-def verdict_on(course, submission, earned, **more):
-    exercises = tuple(
-        ExerciseResult(exercise.name, score, exercise.points, ())
-        for exercise, score in zip(submission.lesson.machine_graded, earned, strict=True)
-    )
-    fields = {
-        "status": "".join(JUDGED),  # equal but not identical, as in verdicts from files
-        "key": f"of {submission.student} {earned}",
-        "fingerprint": submission.read(course).fingerprint(),
-    } | more
-    return Verdict(
-        lesson=submission.lesson.name,
-        student=submission.student,
-        score=sum(earned),
-        max_score=sum(exercise.max_score for exercise in exercises),
-        exercises=exercises,
-        problems=(),
-        seconds=0.0,
-        **fields,
-    )
-
-
-def verdicts(course, earned=EARNED, **more):
-    """Return (submission, verdict) for each submission that has points in `earned`."""
-    return [
-        (
-            submission,
-            verdict_on(course, submission, earned[submission.student][submission.lesson], **more),
-        )
-        for submission in find_submissions(course)
-        if submission.lesson in earned.get(submission.student, {})
-    ]
-
-
-def ignore_progress(done, total, student):
-    """Ignore progress reports."""
-
-
-def make_course(root):
-    """Return a course with two released lessons of a stage and submissions of two students."""
-    course = Course(root)
-    (course.released / STAGE).mkdir(parents=True)
-    for lesson in (GROUND, DISTANCE):
-        shutil.copy(lesson.released, course.released / STAGE)
-    for student, lessons in EARNED.items():
-        for lesson in lessons:
-            submit(course, student, lesson)
-    paths._folder.cache_clear()
-    return course
 
 
 @pytest.fixture
@@ -124,24 +73,6 @@ def entered_course(entered_root, tmp_path):
     shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
-
-
-def marks(course):
-    """Return the points and the maximum of each graded cell by student and cell."""
-    with gradebook.open_gradebook(course) as book:
-        return {
-            (submission.student.id, grade.name): (grade.auto_score, grade.max_score)
-            for assignment in book.assignments
-            for submission in assignment.submissions
-            for notebook in submission.notebooks
-            for grade in notebook.grades
-        }
-
-
-def penalties(course):
-    """Return the late penalty of each student who has one."""
-    stages = class_results(course).stages
-    return {stage.student: stage.penalty for stage in stages if stage.penalty}
 
 
 def expected_marks(earned=EARNED):
@@ -178,11 +109,6 @@ def test_entered_marks_agree_with_the_verdicts(course):
     assert {(result.stage, result.max_score) for result in results.notebooks} == {(STAGE, 30.0)}
     assert [result.status for result in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
     assert penalties(course) == {}
-
-
-def inode(course, student="ada"):
-    """Return the inode of a student's folder of copies, which changes when copies are rewritten."""
-    return (course.autograded / student / STAGE).stat().st_ino
 
 
 def test_unchanged_marks_are_not_written_again(entered_course):
@@ -433,9 +359,9 @@ def test_a_copy_of_another_verdict_is_replaced(entered_course, content):
 
 def register(course):
     with gradebook.open_gradebook(course) as book:
-        told = []
-        register_stages(course, book, [STAGE], told.append)
-        return told, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
+        notices = []
+        register_stages(course, book, [STAGE], notices.append)
+        return notices, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
 
 
 def test_only_released_lessons_are_registered(course):
@@ -546,24 +472,12 @@ def test_manual_marks_and_comments_are_never_removed(entered_course, manual):
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert sentence.startswith(f"ada, {STAGE}: the submission is gone")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
-    assert {student for student, _ in marks(entered_course)} == {
-        "ada"
-    }  # Bob's submission is removed
+    remaining = {student for student, _ in marks(entered_course)}
+    assert remaining == {"ada"}, "Bob's submission is removed"
     assert (entered_course.autograded / "ada" / STAGE).is_dir()
 
 
 # ---- time ---------------------------------------------------------------------------------------
-
-LATE_PLUGIN = """
-c = get_config()
-c.AssignLatePenalties.plugin_class = "grader.lms.late.PercentPerDay"
-c.PercentPerDay.percent = 10
-"""
-
-
-def set_due(course, hour):
-    with gradebook.open_gradebook(course) as book:
-        book.update_or_create_assignment(STAGE, duedate=f"2026-03-01 {hour}:00:00")
 
 
 @pytest.mark.end_to_end
@@ -619,7 +533,7 @@ def test_penalties_count_days_of_local_time(entered_course, due, submitted, lost
     (entered_course.submitted / "ada" / STAGE / "timestamp.txt").write_text(submitted)
     enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
     assert penalties(entered_course) == {"ada": pytest.approx(lost)}
-    (stage,) = [one for one in class_results(entered_course).stages if one.student == "ada"]
+    (stage,) = [stage for stage in class_results(entered_course).stages if stage.student == "ada"]
     assert math.ceil(stage.late / datetime.timedelta(days=1)) == lost / 3
     with gradebook.open_gradebook(entered_course) as book:
         for notebook in book.find_submission(STAGE, "ada").notebooks:

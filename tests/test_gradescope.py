@@ -52,7 +52,7 @@ def judge(course):
             SIX, submission.student, "judged", 10.0, 30.0, (exercise,), ("A cell moved.",), 1, "k"
         )
         write_verdict(
-            Verdict(**{**vars(verdict), "fingerprint": fingerprint}),
+            dataclasses.replace(verdict, fingerprint=fingerprint),
             submission.verdict_path(course),
         )
 

@@ -21,8 +21,8 @@ from grader.lms.mark_history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.results_reader import class_results
 from grader.sandbox import SANDBOXES
-from tests.test_faults import InlineExecutor
-from tests.test_gradebook import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
+from tests.executors import InlineExecutor
+from tests.gradebooks import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Bob,Bell,B\nidle,Ida,Ling,B\n"
@@ -93,7 +93,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert f"{people} students and 1 not on the roster, " in page
 
 
-def test_zeros_and_waiting_marks_are_not_shown_as_dashes(course, capsys, monkeypatch):
+def test_zeros_and_waiting_marks_are_not_shown_as_dashes(course, capsys):
     grade(course)
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_submission_notebook(GROUND.name, STAGE, "ada")
@@ -167,10 +167,8 @@ def test_grading_one_student_shows_the_history_of_the_marks(course, capsys):
         ["-", "8.5", "verdict", "of"],
         ["8.5", "15", "a", "person"],
     ]
-    assert {change.student for change in read_changes(course)} == {
-        "ada",
-        "bob",
-    }  # the ghost's submission is not entered yet
+    # The ghost's submission is not entered yet.
+    assert {change.student for change in read_changes(course)} == {"ada", "bob"}
     with gradebook.open_gradebook(course) as book:
         students = {submission.student.id for submission in book.find_assignment(STAGE).submissions}
     assert students == {"ada", "bob"}

@@ -13,10 +13,16 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
 from tests.archives import canvas_files, make_zip, moodle_files, worksheet
+from tests.gradebooks import LATE_PLUGIN
+from tests.graded_courses import (
+    CONFIGURATION,
+    REPORT,
+    SEED,
+    answered_notebook,
+    enter_manual_mark,
+    with_report,
+)
 from tests.platforms import Canvas, CanvasStudent, Moodle, MoodleStudent
-from tests.test_course import REPORT, enter_manual_mark, with_report
-from tests.test_grade import CONFIGURATION, SEED, answered_notebook
-from tests.test_gradebook import LATE_PLUGIN
 
 SIX, TWELVE = find_lesson("06_filter_ground"), find_lesson("12_streaming_obstacles")
 PEOPLE = (  # ID, first and last name, section, number in Canvas, number in Moodle

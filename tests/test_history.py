@@ -11,7 +11,7 @@ from grader.course.paths import Course
 from grader.lms import gradebook, gradebook_writer
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.mark_history import read_changes
-from tests.test_gradebook import (
+from tests.gradebooks import (
     DISTANCE,
     EARNED,
     GROUND,

@@ -42,7 +42,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from tests import prerequisites
 from tests.browser import BROWSER, rendered_page
-from tests.test_faults import InlineExecutor
+from tests.executors import InlineExecutor
 from utils.drive import Street, on_time
 from utils.drive.actors import standing_actor
 from utils.drive.loop import drive
@@ -578,7 +578,9 @@ def test_names_in_the_ranking_are_on_one_line(league_files, tmp_path):
 
 def test_each_value_has_a_label_on_a_phone(league_files):
     """Narrow screens hide the headings and show labels; the first cell is the row's title."""
-    for table in re.findall("<table.*?</table>", league_files[0], re.DOTALL):
+    tables = re.findall("<table.*?</table>", league_files[0], re.DOTALL)
+    assert tables
+    for table in tables:
         headings = re.findall('<th(?: class="number")?>(.*?)</th>', table)
         for row in re.findall("<tr.*?</tr>", table.partition("<tbody>")[2], re.DOTALL):
             labels = re.findall('<td[^>]* data-head="(.*?)"', row)
@@ -633,7 +635,7 @@ def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
 
 
 @pytest.mark.proof
-def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
+def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch):
     """Run the command on real submissions in the first two streets."""
     answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
     submitted_files = {

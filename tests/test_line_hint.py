@@ -217,9 +217,9 @@ def test_functions_with_side_effects_are_stopped(function, tmp_path, monkeypatch
 @pytest.mark.slow
 def test_an_endless_loop_is_stopped_in_time(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
-    begin = time.monotonic()
+    start = time.monotonic()
     assert find_line_hint(never_ends, CHECKS, CHECKS[:1]) is None
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 @pytest.mark.slow
@@ -247,9 +247,7 @@ def test_check_shows_the_hint_below_the_first_failure(capsys):
         check(wrong_sign, "line_through")
     output = capsys.readouterr().out
     assert output.count("Where to look: A single change in line ") == 1
-    assert output.index("Where to look") < output.index(
-        "[passed]" if "[passed]" in output else "[waiting]"
-    )
+    assert output.index("Where to look") < output.index("[waiting]")
 
 
 @pytest.mark.parametrize(
@@ -279,4 +277,4 @@ def returns_at_the_top(p, q):
 
 def test_the_first_line_of_a_function_is_never_named():
     place = find_line_hint(returns_at_the_top, CHECKS, failed_checks(returns_at_the_top))
-    assert place is None or all("def " not in line.text for line in place.lines)
+    assert [line.text for line in place.lines] == ["return None"]

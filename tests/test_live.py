@@ -20,7 +20,7 @@ from grader.site import settings
 from grader.site.builder import THEME
 from grader.site.live import bundles, files, runtime
 from grader.site.pictures import Pictures
-from tests.test_site import secrets, solved_notebooks
+from tests.site_notebooks import secrets, solved_notebooks
 
 LESSON = find_lesson("06_filter_ground")
 

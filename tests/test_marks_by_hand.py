@@ -21,7 +21,7 @@ from grader.lms.mark_history import read_changes
 from grader.lms.report import write_report
 from grader.lms.results import WAITING
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import LATE_PLUGIN, STREAM, ignore_progress, verdict_on
+from tests.gradebooks import LATE_PLUGIN, STREAM, ignore_progress, verdict_on
 
 STAGE, LESSON = STREAM.stage, STREAM.name
 MACHINE, *_ = STREAM.machine_graded
@@ -56,14 +56,14 @@ def write_answer(course, student, text):
 
 def enter_class(course, **more):
     """Enter the class, and return the sentences about what was changed."""
-    told = []
+    notices = []
     judged = []
     for submission in find_submissions(course):
         verdict = verdict_on(course, submission, [POINTS] * len(STREAM.machine_graded))
         key = f"of {verdict.fingerprint}"
         judged.append((submission, dataclasses.replace(verdict, key=key)))
-    enter_verdicts(course, judged, [STAGE], ignore_progress, notify=told.append, **more)
-    return told
+    enter_verdicts(course, judged, [STAGE], ignore_progress, notify=notices.append, **more)
+    return notices
 
 
 def enter_manual_mark(course, student, cell, points=None, comment=None, extra=None):
@@ -111,8 +111,8 @@ def test_marks_and_comments_of_a_lost_gradebook_are_reported_and_restored(course
             enter_class(course)
         assert str(trouble.value).splitlines()[1].startswith(message)
     assert manual_mark(course, "ada") == (None, True, None)
-    (told,) = enter_class(course, restore=True)
-    assert told.startswith("Restored from marks.jsonl: ")
+    (notice,) = enter_class(course, restore=True)
+    assert notice.startswith("Restored from marks.jsonl: ")
     assert manual_mark(course, "ada") == (7.5, False, "Which 3 cars?\n“Why?”")
     assert manual_mark(course, "bob") == (0.0, False, None)
     assert manual_mark(course, "bob", MACHINE.cell) == (2.0, False, "Nearly.")
@@ -185,7 +185,7 @@ def test_a_restored_mark_has_its_late_penalty(course):
     enter_class(course)
     lose_gradebook(course)
     enter_class(course, restore=True)
-    (mark,) = [one for one in class_results(course).notebooks if one.student == "ada"]
+    (mark,) = [mark for mark in class_results(course).notebooks if mark.student == "ada"]
     assert mark.penalty == pytest.approx((7.5 + POINTS * len(STREAM.machine_graded)) / 10)
 
 
@@ -221,8 +221,8 @@ def test_an_exercise_that_is_added_during_the_term_is_entered(course):
     enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
     enter_class(course)
     forget_cells(course, MACHINE.cell, MACHINE.name)
-    (told,) = enter_class(course)
-    assert told.startswith(f"{LESSON}: {MACHINE.name} was added to the gradebook")
+    (notice,) = enter_class(course)
+    assert notice.startswith(f"{LESSON}: {MACHINE.name} was added to the gradebook")
     assert manual_mark(course, "ada") == (7.5, False, "Good.")
     points = POINTS * len(STREAM.machine_graded)
     scores = {result.student: result.score for result in class_results(course).notebooks}
@@ -242,8 +242,8 @@ def test_a_teams_written_answer_is_graded_once(course):
     assert enter_class(course) == []
     declare_team(course, "ada", "bob", "dee")
     enter_manual_mark(course, "ada", "write_up", 7.5, "Which 3 cars?", extra=0.5)
-    (told,) = enter_class(course)
-    assert told == f"Entered a team's mark for its other members: write_up in {LESSON} for bob."
+    (notice,) = enter_class(course)
+    assert notice == f"Entered a team's mark for its other members: write_up in {LESSON} for bob."
     assert manual_mark(course, "bob") == (7.5, False, "Which 3 cars?")
     assert manual_mark(course, "cy")[:2] == (None, True), "not a member"
     assert manual_mark(course, "dee")[:2] == (None, True), "a member with another answer"
@@ -302,11 +302,11 @@ def test_an_exercise_that_is_no_longer_in_the_release_is_removed(course):
             book.db.add(Grade(cell_id=cells[0].id, notebook=submitted, manual_score=3.5))
             book.db.add(Comment(cell_id=cells[1].id, notebook=submitted))
         book.db.commit()
-    (told,) = enter_class(course)
-    assert "essay is no longer in the release" in told
-    assert "Only marks.jsonl still contains its 2 marks given by hand" in told
+    (notice,) = enter_class(course)
+    assert "essay is no longer in the release" in notice
+    assert "Only marks.jsonl still contains its 2 marks given by hand" in notice
     assert manual_mark(course, "ada") == (7.5, False, "Good.")
-    assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
+    assert [change.after for change in read_changes(course) if change.exercise == "essay"] == [
         *(3.5, 3.5, None, None),
     ]
     assert enter_class(course) == [] and wrong_findings(course) == []
@@ -317,16 +317,17 @@ def test_a_changed_maximum_of_an_exercise_with_marks_by_hand_is_reported(course)
     with gradebook.open_gradebook(course) as book:
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 20.0
         book.db.commit()
-    (told,) = enter_class(course)
-    assert "write_up is now worth 10 points instead of 20, but 1 mark given by hand did not" in told
+    (notice,) = enter_class(course)
+    assert (
+        "write_up is now worth 10 points instead of 20, but 1 mark given by hand did not" in notice
+    )
     assert enter_class(course) == []
 
 
 def test_marks_above_a_reduced_maximum_are_listed(course):
     enter_manual_mark(course, "ada", "write_up", 9.5)
-    enter_manual_mark(
-        course, "bob", "write_up", 5.0, extra=3.0
-    )  # extra points may exceed the maximum
+    # Extra points may exceed the maximum.
+    enter_manual_mark(course, "bob", "write_up", 5.0, extra=3.0)
     assert class_results(course).excessive == ()
     with gradebook.open_gradebook(course) as book:
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 5.0

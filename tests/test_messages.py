@@ -4,7 +4,6 @@ import ast
 
 import pytest
 
-from grader.course.paths import PROJECT
 from grader.judging.messages import (
     Message,
     common_text,
@@ -18,6 +17,7 @@ from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
 from grader.sandbox.error_descriptions import MAX_LINE_LENGTH, describe_error, describe_failed_cell
 from grader.sandbox.failures import StudentError, StudentStopped
+from tests.check_sources import FAILURES, calls_of
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -112,11 +112,8 @@ def test_the_kind_and_the_hint_of_a_failure_are_kept():
     assert (type(form), form.message, form.hint) == (WrongForm, "shape (…)", "Return rows.")
     plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
-    # The type is kept for the judge, although the message does not state the amount.
-    assert (
-        type(shareable_failure(Outcome(HIDDEN, AnswerTooLarge("too much")), False))
-        is AnswerTooLarge
-    )
+    large = shareable_failure(Outcome(HIDDEN, AnswerTooLarge("too much")), False)
+    assert type(large) is AnswerTooLarge, "the judge treats answers of this type differently"
     waits = NotYet("It is sorted")
     shared = shareable_failure(Outcome(HIDDEN, waits), False)
     assert (type(shared), shared.message) == (NotYet, waits.message)
@@ -338,23 +335,6 @@ def test_fixed_numbers_stay_in_messages_about_hidden_tests():
     assert message_lines(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
         "1, 2, 3, 4: 5, 6, 7, 8 and …"
     )
-
-
-FAILURES = ("CheckFailed", "WrongForm", "AnswerTooLarge")
-FILES_WITH_CHECKS = [
-    path
-    for pattern in ("utils/checks/**/*.py", "solutions/**/hidden_tests.py")
-    for path in sorted(PROJECT.glob(pattern))
-    if path.name != "failures.py"
-]
-
-
-def calls_of(names):
-    """Yield the place and the arguments of each call to `names` in the code of the checks."""
-    for path in FILES_WITH_CHECKS:
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in names:
-                yield f"{path.name}:{node.lineno}", node.args
 
 
 def literal_parts(message):

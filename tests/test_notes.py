@@ -46,7 +46,9 @@ def test_a_helper_that_returns_lists_loses_nothing_and_gets_a_note():
         names = [exercise.name for exercise in lesson.machine_graded]
         for number, caller in enumerate(names):
             sources = [answer.source for answer in answers_to(caller) if answer.right]
-            statements = [one for source in sources for one in slicing.parse_notebook([source])[0]]
+            statements = [
+                statement for source in sources for statement in slicing.parse_notebook([source])[0]
+            ]
             nodes = [node for statement in statements for node in ast.walk(statement.node)]
             read = {node.id for node in nodes if isinstance(node, ast.Name)}
             noted.update(read.intersection(names[:number]))

@@ -58,7 +58,7 @@ SEARCH = """
 INIT = "    def __init__(self):\n        self.root = None\n"
 
 
-def begin_with(action, method):
+def starting_with(action, method):
     """Return the source of a method with `action` as its first line."""
     head, rest = method.strip("\n").split("\n", 1)
     return f"{head}\n        {action}\n{rest}\n"
@@ -100,8 +100,8 @@ class KdTree:
         self.root, self.size = None, 0
     def __len__(self):
         return self.size
-{begin_with("self.size += 1", INSERT)}
-{begin_with("if len(self) == 0: return []", SEARCH)}
+{starting_with("self.size += 1", INSERT)}
+{starting_with("if len(self) == 0: return []", SEARCH)}
 """,
     "nodes that keep their axis": f"""
 from dataclasses import dataclass
@@ -245,8 +245,8 @@ class Node:
 class KdTree:
     root: Node | None = None
     indices: list[int] = field(default_factory=list)
-{begin_with("self.indices.append(index)", INSERT)}
-{begin_with("if not self.indices: return []", SEARCH)}
+{starting_with("self.indices.append(index)", INSERT)}
+{starting_with("if not self.indices: return []", SEARCH)}
 """,
     "properties in front of private attributes": f"""
 class Node:
@@ -277,7 +277,7 @@ class KdTree(KdTree):
     def __init__(self):
         super().__init__()
         self.depths = {{}}
-{begin_with("self.depths[index] = 0", INSERT)}
+{starting_with("self.depths[index] = 0", INSERT)}
     def axis(self, depth, target):
         return depth % len(target)
 {SEARCH.replace("depth % len(target)", "self.axis(depth, target)")}

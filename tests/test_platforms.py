@@ -45,11 +45,11 @@ def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(EXCUSED_PERSON,)):
 def fill_file(tmp_path):
     """Return a function that enters results in a platform's file."""
 
-    def fill_in(platform, results, **order):
+    def fill_in(platform, results, **options):
         path = tmp_path / "downloaded.csv"
         path.write_bytes(platform.export())
         write = export_canvas if isinstance(platform, Canvas) else export_moodle
-        return write(ExportOptions(Course(tmp_path), results, STAGE, into=path, **order))
+        return write(ExportOptions(Course(tmp_path), results, STAGE, into=path, **options))
 
     return fill_in
 
@@ -526,7 +526,7 @@ def collect_from(course, student, owner, number):
 
 
 @pytest.mark.parametrize("words", [ENGLISH, GERMAN])
-def test_anonymous_submissions_are_joined_by_their_label(fill_file, tmp_path, words):
+def test_anonymous_submissions_are_joined_by_their_label(fill_file, words):
     """The archive has Participant_312, and the worksheet Participant 312 and no names."""
     moodle_site = moodle_course(blind=True, words=words)
     word = words["hiddenuser"].strip().replace("/", "")
@@ -610,12 +610,12 @@ def test_a_site_that_shows_whole_numbers_still_imports_fractions(fill_file):
 def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, message):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
-    order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
+    options = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
     with pytest.raises(ExportError, match=message):
-        export_canvas(order)
+        export_canvas(options)
     if message == "is not ":
         with pytest.raises(ExportError, match="not an offline grading worksheet"):
-            export_moodle(order)
+            export_moodle(options)
 
 
 def test_a_long_text_in_a_worksheet_is_read(fill_file):

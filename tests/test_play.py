@@ -41,7 +41,7 @@ def notebook(monkeypatch):
 @pytest.mark.parametrize(
     ("name", "frames"), [("highway", 2), ("city", 1), ("city", 2), ("cyclist", 2)]
 )
-def test_built_in_scenarios_are_played(name, frames, tmp_path, capsys):
+def test_built_in_scenarios_are_played(name, frames, capsys):
     assert play.main([name, "--frames", str(frames), "--record", "film.gif", *SMALL]) == 0
     assert Image.open("film.gif").n_frames == frames
     output = capsys.readouterr().out
@@ -50,8 +50,8 @@ def test_built_in_scenarios_are_played(name, frames, tmp_path, capsys):
 
 
 def test_a_whole_stream_comes_from_the_cache(tmp_path):
-    programme = play.open_playback("highway")
-    assert len(programme.frames) == 30 and programme.is_highway
+    playback = play.open_playback("highway")
+    assert len(playback.frames) == 30 and playback.is_highway
     assert list((tmp_path / "cache").rglob("*.npz"))
 
 

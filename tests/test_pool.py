@@ -98,10 +98,10 @@ def test_an_interrupted_pool_ends_at_once():
             future.result(PATIENCE)
 
 
-@pytest.mark.parametrize(("kind", "comes"), [(KeyError, KeyError), (Unpicklable, RuntimeError)])
-def test_an_exception_keeps_its_traceback(kind, comes):
+@pytest.mark.parametrize(("kind", "raised"), [(KeyError, KeyError), (Unpicklable, RuntimeError)])
+def test_an_exception_keeps_its_traceback(kind, raised):
     with Pool(1) as judges:
-        with pytest.raises(comes) as caught:
+        with pytest.raises(raised) as caught:
             judges.submit(fail, kind).result(PATIENCE)
         texts = [str(caught.value), *getattr(caught.value, "__notes__", ())]
         assert any("in fail" in line for line in texts)

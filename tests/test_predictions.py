@@ -16,7 +16,7 @@ def no_stored_guesses(monkeypatch):
 
 
 @pytest.fixture
-def entry(monkeypatch):
+def widgets(monkeypatch):
     """Return a list that collects the widgets that predictions create."""
     widgets = []
     for kind in ("RadioButtons", "FloatSlider", "Text"):
@@ -41,27 +41,27 @@ def entry(monkeypatch):
     ],
     ids=str,
 )
-def test_the_guess_is_shown_with_the_answer(entry, capsys, options, typed, answer, lines):
+def test_the_guess_is_shown_with_the_answer(widgets, capsys, options, typed, answer, lines):
     prediction = predict("How many?", **options)
-    entry[-1].value = typed
+    widgets[-1].value = typed
     capsys.readouterr()
     prediction.compare(answer, "Because of that.")
     assert capsys.readouterr().out.split("\n")[:-1] == ["How many?", *lines, "Because of that."]
 
 
-def test_an_untouched_slider_does_not_count_as_a_guess(entry):
+def test_an_untouched_slider_does_not_count_as_a_guess(widgets):
     assert predict("How many?", between=(0, 10)).guess is None
 
 
-def test_a_guess_is_kept_when_the_cell_runs_again(entry):
+def test_a_guess_is_kept_when_the_cell_runs_again(widgets):
     predict("How many?", between=(0, 10))
-    entry[-1].value = 4.0
+    widgets[-1].value = 4.0
     assert predict("How many?", between=(0, 10)).guess == 4.0
-    assert entry[-1].value == 4.0
+    assert widgets[-1].value == 4.0
     predict("Which?", choices=["a", "b"])
-    entry[-1].value = "b"
+    widgets[-1].value = "b"
     assert predict("Which?", choices=["a", "b"]).guess == "b"
-    assert entry[-1].value == "b"
+    assert widgets[-1].value == "b"
 
 
 def test_an_answer_must_be_one_of_the_choices():

@@ -27,10 +27,10 @@ def imported_by(path):
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-@pytest.mark.parametrize("room", LAYERS)
-def test_no_layer_of_the_grader_imports_from_a_higher_layer(room):
-    above = LAYERS[LAYERS.index(room) + 1 :]
-    files = list((PROJECT / "grader" / room).rglob("*.py"))
+@pytest.mark.parametrize("layer", LAYERS)
+def test_no_layer_of_the_grader_imports_from_a_higher_layer(layer):
+    above = LAYERS[LAYERS.index(layer) + 1 :]
+    files = list((PROJECT / "grader" / layer).rglob("*.py"))
     assert files
     for path in files:
         for name in imported_by(path):

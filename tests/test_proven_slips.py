@@ -292,9 +292,8 @@ def test_an_edit_that_hangs_in_a_hidden_test_is_judged(passing_edits):
 def test_an_answer_that_passes_when_repeated_gets_no_edits(passing_edits):
     student = EditedStudent(["bxy", "", ""])
     assert passing_edits(student) == [] and student.tried == 0
-    assert passing_edits(EditedStudent(["axy", ""])) == [
-        0
-    ]  # because only the first check is repeated
+    # Only the first check is repeated.
+    assert passing_edits(EditedStudent(["axy", ""])) == [0]
 
 
 def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing_edits):
@@ -629,7 +628,7 @@ def explains(monkeypatch):
     The right answer to a call is the number itself.
     """
 
-    def explains(function, mistaken, lost, played=True, same=operator.eq):
+    def explains(function, mistaken, lost, can_be_imitated=True, same=operator.eq):
         def run_checks(lesson, student, seed, wanted):
             assert (lesson, seed, student.helper, student.plane) == (LINE, 1, print, len)
             assert [check for check in OTHERS if wanted(check)] == []
@@ -646,7 +645,7 @@ def explains(monkeypatch):
         def imitation_of(exercise, mistake, right):
             assert (exercise, right) == ("line_through", "the solution")
             imitation = SimpleNamespace(call=mistaken, same=same)
-            return imitation if played else None
+            return imitation if can_be_imitated else None
 
         student = FakeStudent(function)
         monkeypatch.setattr(mistake_diagnosis, "StudentProxy", lambda *about: student)
@@ -711,7 +710,7 @@ def test_the_mistake_alone_must_lose_the_same_checks(explains, mistaken):
 
 
 def test_a_mistake_that_cannot_be_imitated_explains_nothing(explains):
-    assert not explains(without_sign, without_sign, lost=[2], played=False)
+    assert not explains(without_sign, without_sign, lost=[2], can_be_imitated=False)
 
 
 EXERCISES = [graded.name for lesson in all_lessons() for graded in lesson.machine_graded]

@@ -2,6 +2,7 @@
 
 import ast
 import collections
+import dataclasses
 import inspect
 import io
 import itertools
@@ -201,8 +202,8 @@ def test_a_wrong_key_is_not_confirmed(sandbox):
                     "CountClaim": {"count": 39},
                     "ValueClaim": {"text": "39"},
                 }[type(claim).__name__]
-                changed = type(claim)(**{**vars(claim), **wrong})
-                assert not verifier.confirms(Question(**{**vars(question), "claims": (changed,)}))
+                changed = dataclasses.replace(claim, **wrong)
+                assert not verifier.confirms(dataclasses.replace(question, claims=(changed,)))
 
 
 @pytest.mark.slow
@@ -272,10 +273,10 @@ def test_each_right_answer_has_five_verified_questions_of_three_kinds(
     monkeypatch.setattr(StudentProxy, "close", close_and_count)
     for kept in right_answers(exercise):
         processor_seconds.clear()
-        begin = time.process_time()
+        start = time.process_time()
         behaviour = observe(answer_with(exercise, kept.source), sandbox)
         chosen = choose_questions(behaviour, sandbox, 5, Random(kept.name))
-        seconds = time.process_time() - begin + processor_seconds["sandbox"]
+        seconds = time.process_time() - start + processor_seconds["sandbox"]
         assert len(chosen) == 5, kept.name
         assert len({question.kind for question in chosen}) >= 3, kept.name
         assert seconds < SECONDS, kept.name
@@ -374,7 +375,7 @@ def make_class(root, count):
     """Write the submissions of a class with right answers, and verdicts with full points."""
     course = Course(root)
     for number in range(count):
-        for lesson in (one for one in all_lessons() if one.stage == STAGE):
+        for lesson in (candidate for candidate in all_lessons() if candidate.stage == STAGE):
             answers = {
                 exercise.name: right_answers(exercise.name)[number % 5].source
                 for exercise in lesson.machine_graded
@@ -390,9 +391,9 @@ def give_full_points(course, student, lesson):
     from grader.classroom.submissions import find_submissions
 
     (submission,) = [
-        one
-        for one in find_submissions(course, [lesson.stage])
-        if (one.student, one.lesson) == (student, lesson)
+        submission
+        for submission in find_submissions(course, [lesson.stage])
+        if (submission.student, submission.lesson) == (student, lesson)
     ]
     results = tuple(
         ExerciseResult(exercise.name, exercise.points, exercise.points, ())

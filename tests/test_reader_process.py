@@ -138,7 +138,7 @@ def test_the_child_has_no_files_of_the_judge_open():
     )
 
 
-def test_the_child_uses_default_signal_handlers(monkeypatch):
+def test_the_child_uses_default_signal_handlers():
     """The child does not inherit handlers, even if the judge ignores the signals."""
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:

@@ -104,12 +104,14 @@ def test_every_grader_command_can_be_parsed(readme):
 
 @pytest.mark.parametrize("readme", READMES)
 def test_every_option_in_a_sentence_belongs_to_a_command(readme):
-    of_any = {option for command in VERBS.values() for option in command._option_string_actions}
+    all_options = {
+        option for command in VERBS.values() for option in command._option_string_actions
+    }
     for code in code_in(text_of(readme)):
         verb = VERBS.get(code.partition(" ")[0])
         options = re.findall(r"(?:^| )(--\w[\w-]*)", code)
         if verb or code.startswith("--"):
-            assert {*options} <= {*(verb._option_string_actions if verb else of_any)}, code
+            assert {*options} <= {*(verb._option_string_actions if verb else all_options)}, code
 
 
 @pytest.mark.parametrize("readme", READMES)

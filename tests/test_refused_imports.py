@@ -248,9 +248,9 @@ def test_connected_components_are_allowed_in_lesson_10(way, sandbox, tmp_path, c
 def test_answers_with_the_lessons_own_tools_pass_all_checks_of_lesson_10(tmp_path, capsys):
     """A right answer may call `components`, which a cell above the exercise defines."""
     lesson = find_lesson(LESSON_10[0])
-    plan = next(answer.source for answer in answers_to(LESSON_10[1]) if answer.right)
+    answer = next(answer.source for answer in answers_to(LESSON_10[1]) if answer.right)
     path = tmp_path / f"{lesson.name}.ipynb"
-    path.write_text(fill_in(lesson, {LESSON_10[1]: plan}), "utf-8")
+    path.write_text(fill_in(lesson, {LESSON_10[1]: answer}), "utf-8")
     function = answers_in(lesson, read_notebook(path).code)[LESSON_10[1]]
     assert "connected_components" in function.__globals__["components"].__code__.co_names
     check(function)

@@ -31,7 +31,7 @@ from grader.lms.gradebook import open_gradebook
 from grader.site import runs, widget_states
 from grader.site.solution import as_notebook
 from tests.notebook_runs import errors_of, run
-from tests.test_requirements import distributions, normal, own_pins, third_party_imports
+from tests.required_packages import distributions, normal, own_pins, third_party_imports
 
 pytestmark = pytest.mark.slow
 
@@ -169,7 +169,7 @@ def fetched_stage(tmp_path, monkeypatch):
     return student / STAGE
 
 
-def test_a_fetched_notebook_needs_no_other_files(fetched_stage, tmp_path):
+def test_a_fetched_notebook_needs_no_other_files(fetched_stage):
     assert sorted(path.name for path in fetched_stage.iterdir()) == [
         LESSON.released.name, "survey.ipynb",
     ]  # fmt: skip
@@ -295,7 +295,7 @@ def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
     assert [path.name for path in (course / "out").iterdir()] == [f"{STAGE}_solutions.zip"]
 
 
-def test_solutions_are_released_as_notebooks_and_pages_after_the_last_extension(course, capsys):
+def test_solutions_are_released_as_notebooks_and_pages_after_the_last_extension(course):
     write_extension(course, "2026-02-07T12:00:00")
     assert cli.main(["release", "--solutions", STAGE, "--to", str(course / "out")]) == 0
     names = names_in(course / "out" / f"{STAGE}_solutions.zip")

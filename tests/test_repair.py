@@ -16,7 +16,7 @@ from grader.judging.judge import judge_files
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.lms.autograded_copy import score_output
 from grader.sandbox import Limits, launcher
-from tests.test_slips import solution_of
+from tests.slip_tables import solution_of
 
 pytestmark = pytest.mark.slow
 
@@ -115,7 +115,7 @@ def test_a_slip_in_the_students_own_helper_is_a_slip(sandbox):
 def test_an_endless_loop_does_not_need_a_process_for_each_edit(sandbox, monkeypatch):
     """Hanging calls are interrupted, so that the same process can try the next edit."""
     started, tried = [], []
-    start, hold_with = type(sandbox).start, repair._FailedChecks.pass_with
+    start, pass_with = type(sandbox).start, repair._FailedChecks.pass_with
 
     def noted_start(*about, **more):
         started.append(about)
@@ -123,7 +123,7 @@ def test_an_endless_loop_does_not_need_a_process_for_each_edit(sandbox, monkeypa
 
     def noted_edit(questions, number):
         tried.append(number)
-        return hold_with(questions, number)
+        return pass_with(questions, number)
 
     monkeypatch.setattr(type(sandbox), "start", noted_start)
     monkeypatch.setattr(repair._FailedChecks, "pass_with", noted_edit)

@@ -417,7 +417,7 @@ SEARCHES = [
 ]
 
 
-@pytest.mark.parametrize("answer", SEARCHES, ids=lambda one: one.name)
+@pytest.mark.parametrize("answer", SEARCHES, ids=lambda variant: variant.name)
 def test_the_replay_of_a_search_marks_the_wrong_step(answer):
     try:
         run = walk_search(function_of("search", answer.source))
@@ -429,7 +429,8 @@ def test_the_replay_of_a_search_marks_the_wrong_step(answer):
         assert (run.fault.step, reason in run.fault.reason) == (step, True), run.fault
     else:
         assert run.fault is None
-    assert answer.right <= (len(run.steps) == 10)
+    if answer.right:
+        assert len(run.steps) == 10
 
 
 def test_a_wrong_tree_is_not_blamed_on_the_search():

@@ -76,11 +76,11 @@ def report(folder, verdicts, *about, **more):
     )
 
 
-def result(student, standing, score, penalty=0.0, lesson=SIX, most=30.0):
-    return NotebookResult(student, STAGE, lesson.name, standing, score, most, penalty)
+def result(student, status, score, penalty=0.0, lesson=SIX, most=30.0):
+    return NotebookResult(student, STAGE, lesson.name, status, score, most, penalty)
 
 
-STANDINGS = {
+STATES = {
     "missing": (MISSING, None, "–"),
     "zero": (MARKED, 0.0, "0"),
     "excused": (EXCUSED, None, "exc."),
@@ -96,10 +96,10 @@ def class_of(results, stages=(), unlisted=(), people=None):
     return ClassResults(people, tuple(results), tuple(stages), unlisted)
 
 
-@pytest.mark.parametrize("kind", STANDINGS)
+@pytest.mark.parametrize("kind", STATES)
 def test_each_state_of_a_notebook_has_its_own_cell_text(kind):
-    standing, score, shown = STANDINGS[kind]
-    (row,) = marks_table([SIX], class_of([result("ada", standing, score)]), {}).rows
+    status, score, shown = STATES[kind]
+    (row,) = marks_table([SIX], class_of([result("ada", status, score)]), {}).rows
     assert row.cells[0].text == shown
 
 
@@ -407,9 +407,9 @@ def test_exercises_that_were_not_started_are_in_the_order_of_the_course():
         ExerciseResult(name, tests=(dataclasses.replace(UNTOUCHED, subject=name),), **stub)
         for name in ("first", "second")
     ]
-    one = dataclasses.replace(verdict("ada", []), exercises=(done, exercises[1]))
+    first_only = dataclasses.replace(verdict("ada", []), exercises=(done, exercises[1]))
     both = dataclasses.replace(verdict("bo", []), exercises=tuple(exercises))
-    assert count_not_started([one, both]) == [("first", 1), ("second", 2)]
+    assert count_not_started([first_only, both]) == [("first", 1), ("second", 2)]
 
 
 def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):

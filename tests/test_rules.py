@@ -3,7 +3,6 @@
 import dataclasses
 import itertools
 import json
-import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,8 +31,6 @@ from grader.sandbox.program import GivenCode, Program
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
 from utils.checks.outcomes import Outcome
-from utils.simulator.ground import Ground
-from utils.simulator.pose import Pose
 
 LINE = find_lesson("02_ransac_line")
 FILTER = find_lesson("06_filter_ground")
@@ -233,11 +230,11 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
     own, programs, about = Program(("pass",), plane.names, given=given), [], []
 
     def run(setting, program, wanted):
-        about.append({one.check.exercise for one in hold if wanted(one.check)})
+        about.append({outcome.check.exercise for outcome in hold if wanted(outcome.check)})
         if program == own:
-            return RunResults(tuple(one for one in lost if wanted(one.check)))
+            return RunResults(tuple(outcome for outcome in lost if wanted(outcome.check)))
         programs.append(program)
-        outcomes = tuple(one for one in hold if wanted(one.check))
+        outcomes = tuple(outcome for outcome in hold if wanted(outcome.check))
         return RunResults(outcomes, fault="" if len(programs) != 2 else "it broke")
 
     monkeypatch.setattr(error_carried_forward, "run_program", run)
@@ -246,9 +243,9 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
         JudgingContext(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
     )
     assert list(better) == [names[1], *names[3:]]  # the second of the four runs failed
-    assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
+    assert [outcome.check.exercise for outcome in better[names[3]].outcomes] == [names[3]] * 2
     assert about == [{name} for name in names[1:] for _ in range(2)]
-    assert [one.program for one in better.values()] == [programs[0], *programs[2:]]
+    assert [rerun.program for rerun in better.values()] == [programs[0], *programs[2:]]
     for number, program in enumerate(programs, start=1):
         assert program.names == (names[number], "KdTree")
         assert program.given.names == ("KdTree", *names[:number])
@@ -271,7 +268,7 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
 
 
 @pytest.fixture
-def submitted_files(tmp_path):
+def judged_submission(tmp_path):
     """Return a course, its only submission, and a valid verdict on that submission."""
     course = Course(tmp_path)
     path = course.submitted / "ada" / FILTER.stage / f"{FILTER.name}.ipynb"
@@ -286,7 +283,7 @@ def submitted_files(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "believed"),
+    ("change", "is_valid"),
     [
         ({}, True),
         ({"starved": True}, False),
@@ -295,18 +292,18 @@ def submitted_files(tmp_path):
         ({"fingerprint": ""}, False),
     ],
 )
-def test_only_matching_and_reliable_verdicts_on_disk_are_valid(submitted_files, change, believed):
-    course, submission, verdict = submitted_files
+def test_only_matching_and_reliable_verdicts_on_disk_are_valid(judged_submission, change, is_valid):
+    course, submission, verdict = judged_submission
     write_verdict(dataclasses.replace(verdict, **change), submission.verdict_path(course))
-    assert (grade.stored_verdict(course, submission, 1) is not None) == believed
+    assert (grade.stored_verdict(course, submission, 1) is not None) == is_valid
 
 
 # ---- the gradebook ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("hour", [12, 13])
-def test_a_different_submission_time_is_a_difference(submitted_files, hour):
-    course, submission, verdict = submitted_files
+def test_a_different_submission_time_is_a_difference(judged_submission, hour):
+    course, submission, verdict = judged_submission
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
     entry = StageEntry("ada", FILTER.stage, ((submission, verdict),))
@@ -322,7 +319,7 @@ def test_a_different_submission_time_is_a_difference(submitted_files, hour):
     )
     *found, last = differences(course, book, entry, None, Deadlines({}))
     assert last.endswith(": not in the gradebook")
-    assert bool(found) == (hour != 12) and all("submission time" in one for one in found)
+    assert bool(found) == (hour != 12) and all("submission time" in text for text in found)
 
 
 def test_a_missing_notebook_needs_no_manual_grading():
@@ -374,19 +371,3 @@ def test_a_written_answer_is_found_below_the_last_copy_of_its_question():
         ("markdown", "It finds 14 of 17 cars."),
     )
     assert made.answers["write_up"].text == "It finds 14 of 17 cars."
-
-
-# ---- the simulator -------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("yaw", [0.0, 0.4])
-def test_brightness_of_a_kerb_depends_on_the_angle_of_the_ray(yaw):
-    road = Ground(pose=Pose(0.0, 0.0, 0.0, yaw), width=7.0, kerb=0.5)
-    normal = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
-    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    target = 3.5 * normal + 6.0 * along + [0.0, 0.0, 0.25]  # halfway up the kerb's face
-    eye = np.array([0.0, 0.0, 1.7])
-    ray = (target - eye) / np.linalg.norm(target - eye)
-    distance, cosine = road.crossings(ray[:, None], tuple(eye))
-    assert distance[0] == pytest.approx(np.linalg.norm(target - eye))
-    assert cosine[0] == pytest.approx(abs(ray @ normal))

@@ -52,13 +52,13 @@ def make_lesson(tmp_path, monkeypatch):
         tests.parent.mkdir(exist_ok=True)
         tests.write_text(HEAD + hidden)
         monkeypatch.setattr(
-            runner, "checks_of", lambda name: [one for one in shown if one.exercise == name]
+            runner, "checks_of", lambda name: [check for check in shown if check.exercise == name]
         )
         return SimpleNamespace(
             name="06_made_here",
             number="06",
             tests=tests,
-            machine_graded=[SimpleNamespace(name=one) for one in "fg"],
+            machine_graded=[SimpleNamespace(name=name) for name in "fg"],
         )
 
     return make
@@ -112,8 +112,8 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(make_lesson):
         "test_second",
         "test_first",
     ]
-    assert [one.check.is_shown for one in outcomes] == [True, True, False, False]
-    assert [one.check.weight for one in outcomes] == [1.0, 1.0, 1.0, 2.5]
+    assert [outcome.check.is_shown for outcome in outcomes] == [True, True, False, False]
+    assert [outcome.check.weight for outcome in outcomes] == [1.0, 1.0, 1.0, 2.5]
     assert failure_types(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
     assert student.calls == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
     assert student.closed == 0
@@ -399,9 +399,8 @@ def test_an_interrupt_in_a_hidden_test_ends_the_run(make_lesson):
 
 def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "TEST_SECONDS", 0.05)
-    hidden = TWO_TESTS.replace(
-        'student.g("second")', "for _ in range(10**8): pass"
-    )  # would take seconds
+    # The loop would take seconds.
+    hidden = TWO_TESTS.replace('student.g("second")', "for _ in range(10**8): pass")
     student, before = RecordingStudent(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(make_lesson(hidden), student, SEED)
     assert failure_types(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
@@ -567,12 +566,12 @@ def test_all_runs_with_one_budget_share_the_limit_on_failed_comparisons(make_les
         visible_check("f1", "f", wrong),
         visible_check("g", "g", lambda _: None),
     ]
-    lesson, budget, begin = make_lesson(TWO_TESTS, checks), Budget(Limits()), time.process_time()
+    lesson, budget, start = make_lesson(TWO_TESTS, checks), Budget(Limits()), time.process_time()
     budget.judge_seconds["f"] = runner.TEST_SECONDS - 0.05
     run = (lesson, RecordingStudent(), SEED, lambda check: check.is_shown, True, budget)
     assert failure_types(run_checks(*run)) == {"f0": JudgeTimeout, "f1": StudentStopped}
     assert failure_types(run_checks(*run)) == {"f0": StudentStopped, "f1": StudentStopped}
-    assert time.process_time() - begin < 5
+    assert time.process_time() - start < 5
     assert budget.judge_seconds["g"] == 0
 
 
@@ -621,9 +620,9 @@ def test_no_answer_outlives_its_check(make_lesson, how):
     answers = weakref.WeakSet()
 
     def answer():
-        one = Answer()
-        answers.add(one)
-        return one
+        made = Answer()
+        answers.add(made)
+        return made
 
     @once_per_run
     def require(function):
@@ -726,7 +725,7 @@ def test_pytest_settings_and_neighbouring_files_have_no_effect(make_lesson, monk
 @pytest.fixture
 def run_once(monkeypatch):
     """Return a function that calls `run_program` with given outcomes, and a record of the calls."""
-    seen = SimpleNamespace(looked=[], closed=[])
+    seen = SimpleNamespace(diagnosed=[], closed=[])
 
     class FakeStudent(SimpleNamespace):
         def __enter__(self):
@@ -748,7 +747,7 @@ def run_once(monkeypatch):
             return ended
 
         def diagnose(exercise, function):
-            seen.looked.append((exercise, function, fake_student.exercise))
+            seen.diagnosed.append((exercise, function, fake_student.exercise))
             return explains() if callable(explains) else explains
 
         fake_student = FakeStudent(problems=["a cell"], uses={"f": ("g",)}, exercise="")
@@ -774,11 +773,11 @@ def test_each_wrong_exercise_is_explained_once(run_once):
     mistake = Mistake("It is upside down.", predict=np.flip)
     results = run_with(ENDED, mistake, explain=True)
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
-    assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
+    assert seen.diagnosed == [(name, f"the student's {name}", name) for name in "fh"]
     assert (results.problems, results.uses) == (("a cell",), {"f": ("g",)})
     assert results.fault == "" and seen.closed == [None, None]
-    assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]
-    assert [one.check.name for one in results.outcomes_of("g")] == ["d"]
+    assert [outcome.check.name for outcome in results.outcomes_of("f")] == ["a", "b", "c"]
+    assert [outcome.check.name for outcome in results.outcomes_of("g")] == ["d"]
 
 
 def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
@@ -792,22 +791,22 @@ def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
 def test_an_unexplained_failure_is_diagnosed_once(run_once):
     run_with, seen = run_once
     assert run_with(ENDED, None, explain=True).mistakes == {}
-    assert [name for name, *_ in seen.looked] == ["f", "h"]
+    assert [name for name, *_ in seen.diagnosed] == ["f", "h"]
 
 
 def test_diagnosis_is_only_on_request(run_once):
     run_with, seen = run_once
     assert run_with(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
-    assert seen.looked == []
+    assert seen.diagnosed == []
 
 
-def test_a_diagnosis_may_use_the_rest_of_the_time_for_failed_comparisons(run_once, monkeypatch):
+def test_a_diagnosis_may_use_the_rest_of_the_time_for_failed_comparisons(run_once):
     run_with, seen = run_once
     budget = Budget(Limits())
     budget.judge_seconds.update(f=runner.TEST_SECONDS, h=runner.TEST_SECONDS - 0.05)
     context = program_run.JudgingContext(FILTER, SEED, None, None, budget)
     results = run_with(ENDED, lambda: compute(10), context, explain=True)
-    assert results.mistakes == {} and [name for name, *_ in seen.looked] == ["h"]
+    assert results.mistakes == {} and [name for name, *_ in seen.diagnosed] == ["h"]
     assert seen.closed == [None, "by the diagnosis", None]
     assert 0.02 < budget.judge_seconds["h"] - (runner.TEST_SECONDS - 0.05) < 5
 
@@ -827,3 +826,15 @@ def test_results_and_settings_are_immutable(run_once):
     for made in (run_with(ENDED), program_run.JudgingContext(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
             made.budget = None
+
+
+@pytest.mark.slow
+def test_visible_checks_run_before_hidden_tests(lesson):
+    """Otherwise, a function could store a hidden test's input and reveal it in a visible check."""
+
+    def stub(*arguments, **keywords):
+        raise NotImplementedError
+
+    student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
+    visible = [outcome.check.is_shown for outcome in run_checks(lesson, student, SEED)]
+    assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

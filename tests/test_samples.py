@@ -116,8 +116,8 @@ def test_no_two_points_remain_at_the_threshold(columns):
     assert_rows_of(kept, cloud)
     # In each pair with a distance near the threshold, only the later point is removed.
     doubtful = np.abs(squareform(pdist(cloud[:, :3])) - 0.8) < 5e-3
-    goes = np.triu(doubtful).any(axis=0)
-    assert 20 < goes.sum() < 200 and np.array_equal(kept, cloud[~goes])
+    removed = np.triu(doubtful).any(axis=0)
+    assert 20 < removed.sum() < 200 and np.array_equal(kept, cloud[~removed])
 
 
 def test_the_default_margin_is_a_millimetre():

@@ -464,7 +464,7 @@ def test_matplotlib_replaces_a_missing_pyvista_and_says_so_once():
 
 
 @pytest.mark.slow
-def test_matplotlib_replaces_a_missing_opengl_without_a_crash(monkeypatch):
+def test_matplotlib_replaces_a_missing_opengl_without_a_crash():
     before = """
 from utils.scene3d import opengl
 opengl._window_class_name = lambda: opengl.LAST_RESORT

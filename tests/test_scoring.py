@@ -90,11 +90,11 @@ def test_overlap_agrees_with_polygon_clipping(overlap):
     st.sampled_from([0.0, 1.0, 1e5]),
 )
 def test_overlap_is_accurate_despite_shared_edges_corners_and_rounding(shift, size, yaw, far):
-    one = corners(far, far, yaw=yaw)[None]
+    box = corners(far, far, yaw=yaw)[None]
     other = corners(far + shift[0], far + shift[1], 0.0, *size, yaw=0.0)[None]
-    local_one, local_other = one - (far, far, 0), other - (far, far, 0)
-    expected = clipped_iou(local_one[0], local_other[0], False)
-    assert_allclose(plane_iou(one, other)[0, 0], expected, atol=1e-6 if far < 10 else 1e-4)
+    local_box, local_other = box - (far, far, 0), other - (far, far, 0)
+    expected = clipped_iou(local_box[0], local_other[0], False)
+    assert_allclose(plane_iou(box, other)[0, 0], expected, atol=1e-6 if far < 10 else 1e-4)
 
 
 def boxes_on(floors):
@@ -111,10 +111,10 @@ def test_geometry_of_floors_agrees_with_shapely(seed):
     floors = rng.normal(0, 2, (80, 4, 2))
     boxes = np.vstack([boxes_on(floors).reshape(-1, 8, 3), random_boxes(rng, 40)])
     hulls = [MultiPoint(box[:4, :2]).convex_hull for box in boxes]
-    areas = [[one.intersection(other).area for other in hulls] for one in hulls]
-    unions = [[one.union(other).area for other in hulls] for one in hulls]
+    areas = [[hull.intersection(other).area for other in hulls] for hull in hulls]
+    unions = [[hull.union(other).area for other in hulls] for hull in hulls]
     assert_allclose(plane_iou(boxes, boxes), np.divide(areas, unions), atol=1e-9)
-    gaps = [[one.distance(other) for other in hulls] for one in hulls]
+    gaps = [[hull.distance(other) for other in hulls] for hull in hulls]
     assert np.count_nonzero(gaps) > 1000 and np.count_nonzero(np.equal(gaps, 0)) > 1000
     assert_allclose(distances_between(boxes, boxes), gaps, atol=1e-9)
     for footprint, hull in zip(footprints(boxes), hulls, strict=True):

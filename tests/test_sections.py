@@ -13,8 +13,8 @@ from grader.course.roster import section_slug
 from grader.judging.verdict import write_verdict
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results_reader import class_results
+from tests.gradebooks import DISTANCE, GROUND, STAGE, ignore_progress, make_course, verdicts
 from tests.platforms import Canvas, CanvasStudent
-from tests.test_gradebook import DISTANCE, GROUND, STAGE, ignore_progress, make_course, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section,lms_id\n"
@@ -75,7 +75,7 @@ def test_results_of_a_section_contain_nothing_about_other_sections(course):
     whole = class_results(course)
     part = whole.of_people(find_section(course, "B"))
     assert [person.id for person in part.people] == ["bob"]
-    assert {one.student for one in (*part.notebooks, *part.stages)} == {"bob"}
+    assert {result.student for result in (*part.notebooks, *part.stages)} == {"bob"}
     assert part.unassigned == (("bob", DISTANCE.name),)
     assert len(whole.unassigned) == 2
     assert part.notebook("bob", GROUND.name) == whole.notebook("bob", GROUND.name)
@@ -97,7 +97,7 @@ def test_the_report_on_a_section_names_only_its_students(course, capsys):
     assert (course.report / "index.html").read_text("utf-8") == whole
 
 
-def test_the_export_of_a_section_has_its_own_file(course, capsys):
+def test_the_export_of_a_section_has_its_own_file(course):
     for format, ending in (("csv", "csv"), ("exercises", "exercises.csv")):
         assert run("export", "--format", format, "--section", "a/1") == commands.SUCCESS
         path = course.root / f"scores.A_1.{ending}"

@@ -42,7 +42,7 @@ def written_answers(exercise, right=None):
         for variant in answers_to(exercise)
         if right in (None, variant.right)
     }
-    return {name: one for name, one in found.items() if one}
+    return {name: pairs for name, pairs in found.items() if pairs}
 
 
 def compare_answers(exercise, answers, kept=()):
@@ -343,7 +343,7 @@ def test_the_numbers_about_a_pair_are_counted():
     answers["dee"] = answer(
         "get_bounding_boxes", "def get_bounding_boxes(a, b):\n    extremes = {}\n    return None"
     )
-    ((pair),) = compare("get_bounding_boxes", answers, [answers["dee"]] * 4).pairs
+    (pair,) = compare("get_bounding_boxes", answers, [answers["dee"]] * 4).pairs
     assert pair.students == ("bo", "cy")
     assert pair.share == 1.0
     assert pair.step_counts == (14, 14)
@@ -387,9 +387,9 @@ def last_two(course):
 
 
 def test_a_stage_is_compared_and_shown(course):
-    compared_ = compare_stage(course, LESSON.stage)
-    assert [pair.students for pair in compared_.pairs] == [last_two(course)]
-    page = write_similarity(course, compared_).read_text("utf-8")
+    result = compare_stage(course, LESSON.stage)
+    assert [pair.students for pair in result.pairs] == [last_two(course)]
+    page = write_similarity(course, result).read_text("utf-8")
     assert page.count('class="code"') == 2
     assert "numpy.minimum(smallest, p)" in page
     assert "have the same steps and differ only in names and other details." in page
@@ -405,24 +405,26 @@ def declare_team(course, *ids):
 
 
 def test_names_are_shown_as_in_the_report(course):
-    one, two = last_two(course)
-    (course.root / "roster.csv").write_text(f"id,first_name,last_name\n{one},Ada,Ash\n{two},,\n")
-    compared_ = compare_stage(course, LESSON.stage)
-    assert compared_.pairs[0].students == (f"{one} (Ada Ash)", two)
-    assert f"{one} (Ada Ash) and {two}" in write_similarity(course, compared_).read_text("utf-8")
+    first, second = last_two(course)
+    roster = f"id,first_name,last_name\n{first},Ada,Ash\n{second},,\n"
+    (course.root / "roster.csv").write_text(roster)
+    result = compare_stage(course, LESSON.stage)
+    assert result.pairs[0].students == (f"{first} (Ada Ash)", second)
+    page = write_similarity(course, result).read_text("utf-8")
+    assert f"{first} (Ada Ash) and {second}" in page
 
 
 def test_a_declared_team_is_mentioned_but_not_reported(course):
-    one, two = last_two(course)
-    for student in (one, two):
+    first, second = last_two(course)
+    for student in (first, second):
         submit(course, student, fill_in(LESSON, {"get_bounding_boxes": ORIGINAL}))
     assert compare_stage(course, LESSON.stage).shared_notebooks
-    declare_team(course, one, two)
-    compared_ = compare_stage(course, LESSON.stage)
-    assert (compared_.pairs, compared_.shared_notebooks) == ((), ())
-    page = write_similarity(course, compared_).read_text("utf-8")
-    assert f"not compared with each other: {one} and {two}." in page
-    declare_team(course, one, "s0")
+    declare_team(course, first, second)
+    result = compare_stage(course, LESSON.stage)
+    assert (result.pairs, result.shared_notebooks) == ((), ())
+    page = write_similarity(course, result).read_text("utf-8")
+    assert f"not compared with each other: {first} and {second}." in page
+    declare_team(course, first, "s0")
     assert compare_stage(course, LESSON.stage).shared_notebooks, "two students of different teams"
 
 
@@ -430,16 +432,16 @@ def test_a_declared_team_is_mentioned_but_not_reported(course):
 def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, monkeypatch, capsys):
     """Work of an earlier course is found, but two students of that course are not reported."""
     last = Course(tmp_path / "course-2025")
-    *_, two = last_two(course)
+    *_, second = last_two(course)
     for student, words in (("anna", "other names"), ("bea", "other names")):
         submit(last, student, fill_in(LESSON, {"get_bounding_boxes": DISGUISED[words]}))
-    shutil.rmtree(course.submitted / two)
+    shutil.rmtree(course.submitted / second)
     monkeypatch.setattr(commands, "Course", lambda: course)
     options = ["similarity", LESSON.stage, "--earlier", str(last.root / folder)]
     assert cli.main(options) == 0
     output = capsys.readouterr().out
-    one = sorted(path.name for path in course.submitted.iterdir())[-1]
-    assert f"{one} and course-2025/anna" in output and f"{one} and course-2025/bea" in output
+    first = sorted(path.name for path in course.submitted.iterdir())[-1]
+    assert f"{first} and course-2025/anna" in output and f"{first} and course-2025/bea" in output
     assert "anna and" not in output and "identical" not in output
     page = (course.report / f"similarity_{LESSON.stage}.html").read_text("utf-8")
     assert "students and 2 from earlier courses" in page
@@ -476,7 +478,7 @@ def test_identical_files_are_reported_as_identical(tmp_path):
     for student, text in texts.items():
         submit(course, student, text)
     same = compare_stage(course, LESSON.stage).shared_notebooks
-    assert [(one.students, one.same_bytes, one.own_cells) for one in same] == [
+    assert [(pair.students, pair.same_bytes, pair.own_cells) for pair in same] == [
         (("ada", "bo"), True, 1),
         (("ada", "bo", "cy"), False, 1),
     ], "but not two unchanged notebooks"
@@ -503,10 +505,10 @@ HOSTILE = {
 def test_a_hostile_notebook_affects_only_its_author(kind, course):
     pair = last_two(course)
     submit(course, "a", fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]}))
-    compared_ = compare_stage(course, LESSON.stage)
-    assert [one.students for one in compared_.pairs] == [pair]
-    assert {student for student, *_ in compared_.problems} <= {"a"}
-    assert write_similarity(course, compared_).stat().st_size < 200_000
+    result = compare_stage(course, LESSON.stage)
+    assert [found.students for found in result.pairs] == [pair]
+    assert {student for student, *_ in result.problems} <= {"a"}
+    assert write_similarity(course, result).stat().st_size < 200_000
 
 
 def test_an_answer_that_is_too_long_is_reported():

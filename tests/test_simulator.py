@@ -193,6 +193,19 @@ def test_the_ground_under_a_vehicle_has_height_zero():
     assert_allclose(seen.height(points[:, 0], points[:, 1]), rise, atol=1e-12)
 
 
+@pytest.mark.parametrize("yaw", [0.0, 0.4])
+def test_brightness_of_a_kerb_depends_on_the_angle_of_the_ray(yaw):
+    road = Ground(pose=Pose(0.0, 0.0, 0.0, yaw), width=7.0, kerb=0.5)
+    normal = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
+    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    target = 3.5 * normal + 6.0 * along + [0.0, 0.0, 0.25]  # halfway up the kerb's face
+    eye = np.array([0.0, 0.0, 1.7])
+    ray = (target - eye) / np.linalg.norm(target - eye)
+    distance, cosine = road.crossings(ray[:, None], tuple(eye))
+    assert distance[0] == pytest.approx(np.linalg.norm(target - eye))
+    assert cosine[0] == pytest.approx(abs(ray @ normal))
+
+
 # The scan
 
 
@@ -351,9 +364,8 @@ def test_rays_end_inside_foliage_at_random_depths_or_pass():
     assert depths.min() >= 0 and depths.max() <= 2
     through = walled.sum() / (walled.sum() + bushed.sum())
     assert abs(through - math.exp(-2 / 0.5)) < 0.01
-    expected = 0.5 - 2 * math.exp(-4) / (
-        1 - math.exp(-4)
-    )  # mean of a truncated exponential distribution
+    # The expected depth is the mean of a truncated exponential distribution.
+    expected = 0.5 - 2 * math.exp(-4) / (1 - math.exp(-4))
     assert abs(depths.mean() - expected) < 0.03
 
 

@@ -20,7 +20,7 @@ from PIL import Image
 from docs.front_page import panel as playground
 from grader import cli
 from grader.course.build import Origin, read_origin
-from grader.course.lessons import all_lessons, every_lesson, find_lesson, optional_lessons
+from grader.course.lessons import all_lessons, every_lesson, optional_lessons
 from grader.course.paths import PROJECT
 from grader.course.solutions import remove_volatile_data
 from grader.site import (
@@ -41,67 +41,20 @@ from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
 from tests import class_pictures
 from tests.notebook_runs import errors_of, run
-from utils.scene3d import CAMERAS, Scene, output, viewer
+from tests.site_notebooks import (
+    ANSWER,
+    CALL,
+    LESSON,
+    QUESTION,
+    displayed_output,
+    positions,
+    scene,
+    secrets,
+    solved_notebooks,
+)
+from utils.scene3d import CAMERAS, Scene, viewer
 
-LESSON = find_lesson("05_euclidean_clustering")
 PUBLIC = Origin("https://github.com/anna/lidar", "v1")
-
-
-def picture(colour, kind="PNG"):
-    buffer = io.BytesIO()
-    Image.new("RGB", (30, 20), colour).save(buffer, kind)
-    return base64.b64encode(buffer.getvalue()).decode()
-
-
-def displayed_output(data, about=None):
-    return new_output("display_data", data=data, metadata=about or {})
-
-
-CALL = {
-    "name": "show_level",
-    "parameters": [
-        {"name": "level", "title": 'level\'s "m"', "values": ["-2.2", "-1.2", "0.6"], "start": 1}
-    ],
-}
-
-
-def positions():
-    """Yield the outputs of a slider at its initial value and at two other values."""
-    own = {"all": [["level (m)", "-1.2"]], "call": CALL}
-    yield displayed_output({widget_states.POSITION_TYPE: own})
-    yield displayed_output({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
-    for value, colour in (("-2.2", "green"), ("0.6", "blue")):
-        yield displayed_output(
-            {widget_states.POSITION_TYPE: {"slider": "level (m)", "value": value}}
-        )
-        yield displayed_output({"image/png": picture(colour)})
-        yield new_output("stream", name="stdout", text=f"at {value} <m>\n")
-
-
-QUESTION = {"question": "How many?", "choices": [], "suffix": " m", "between": [0, 10], "step": 1}
-ANSWER = {"question": "How many?", "answer": "7 m", "why": "Because 3 < 4."}
-
-
-def scene():
-    """Return what a cell displays for a 3D scene, as data by MIME type."""
-    drawn = Scene("A corner").add_cloud(np.array([[0, 0, 0], [1, 1, 1.0]]))
-    return output.bundle_of(drawn, "XY", True, (320, 240), "matplotlib", 'A "corner" in space')
-
-
-def solved_notebooks():
-    """Return each lesson's solved notebook; `LESSON` has artificial outputs of each kind."""
-    ran = {lesson: nbformat.read(lesson.solved, as_version=4) for lesson in all_lessons()}
-    code = [cell for cell in ran[LESSON].cells if cell.cell_type == "code"]
-    code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
-    code[1].outputs = [new_output("stream", name="stdout", text="0 of 2\r1 of 2\r2 of 2\n")]
-    code[2].outputs = [displayed_output({"image/gif": picture("red", "GIF")})]
-    code[3].outputs = [displayed_output({widget_states.QUESTION_TYPE: QUESTION})]
-    code[4].outputs = [*positions()]
-    code[5].outputs = [
-        displayed_output({widget_states.ANSWER_TYPE: ANSWER}),
-        displayed_output(scene()),
-    ]
-    return {lesson: nbformat.writes(notebook).encode() for lesson, notebook in ran.items()}
 
 
 @pytest.fixture(scope="module")
@@ -122,8 +75,8 @@ def text_of(path):
 
 def test_a_slider_becomes_pictures_at_some_positions_with_labels():
     pictures = Pictures()
-    (one,) = page_outputs([*positions()], pictures)
-    page = one.data["text/html"]
+    (output,) = page_outputs([*positions()], pictures)
+    page = output.data["text/html"]
     assert [*map(float, re.findall(r"<label [^>]*>(\S+)</label>", page))] == [-2.2, -1.2, 0.6]
     assert re.findall(r'class="at-(\d)" checked', page) == ["0"], (
         "the lesson's value is shown first"
@@ -183,8 +136,8 @@ def test_several_sliders_share_one_choice():
         {widget_states.POSITION_TYPE: {"slider": title, "value": value}}
         for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
     ]
-    (one,) = page_outputs([displayed_output(data) for data in (own, *moved)], Pictures())
-    page = one.data["text/html"]
+    (output,) = page_outputs([displayed_output(data) for data in (own, *moved)], Pictures())
+    page = output.data["text/html"]
     assert re.findall(r"<label [^>]*>(.+?)</label>", page) == ["as in this lesson", "4", "2.4", "6"]
     assert len(set(re.findall(r'name="(\w+)"', page))) == 1
     ids = re.findall(r'id="([\w-]+)"', page)
@@ -232,10 +185,10 @@ def test_a_scene_on_a_page_has_every_point_of_the_scan(monkeypatch):
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():
-    (one,) = page_outputs(
+    (output,) = page_outputs(
         [new_output("stream", name="stdout", text="a\n1/2\r2/2\nb\r\n")], Pictures()
     )
-    assert one.text == "a\n2/2\nb\r\n"
+    assert output.text == "a\n2/2\nb\r\n"
 
 
 # ---- widgets and figures ------------------------------------------------------------------------
@@ -263,8 +216,8 @@ def test_only_one_slider_moves_at_a_time():
     own = {"rounds": 20, "seed": 0, "level": 1.0}
     assert found[0] == own
     moved = [{name: v for name, v in values.items() if v != own[name]} for values in found[1:]]
-    assert [len(one) for one in moved] == [1] * 6
-    assert [one["rounds"] for one in moved if "rounds" in one] == [10, 500]
+    assert [len(values) for values in moved] == [1] * 6
+    assert [values["rounds"] for values in moved if "rounds" in values] == [10, 500]
     assert all(isinstance(values["seed"], int) for values in found)
 
 
@@ -329,7 +282,7 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
 def test_every_glossary_link_of_a_lesson_has_an_entry():
     for lesson in all_lessons():
         linked = glossary.link_terms(lesson.released.read_text("utf-8"))
-        assert "(../words.md)" not in linked, lesson.name
+        assert "{term}" in linked and "(../words.md)" not in linked, lesson.name
 
 
 FILMED = [lesson for lesson in all_lessons() if (lesson.folder / "film.toml").exists()]
@@ -383,11 +336,11 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
 def test_the_page_for_instructors_shows_each_drawn_picture():
     text = (PROJECT / "docs" / "instructors.md").read_text("utf-8")
     shown = re.findall(r"!\[(.{40,}?)\]\(pictures/(\w+)\.png\)", text)
-    assert [name for _, name in shown] == [one.name for one in class_pictures.PICTURES]
-    for one in class_pictures.PICTURES:
-        with Image.open(class_pictures.FOLDER / f"{one.name}.png") as drawn:
+    assert [name for _, name in shown] == [picture.name for picture in class_pictures.PICTURES]
+    for picture in class_pictures.PICTURES:
+        with Image.open(class_pictures.FOLDER / f"{picture.name}.png") as drawn:
             width, height = (length - 2 * class_pictures.BORDER for length in drawn.size)
-            assert width / height == pytest.approx(class_pictures.WIDTH / one.height, rel=0.01)
+            assert width / height == pytest.approx(class_pictures.WIDTH / picture.height, rel=0.01)
     assert len(re.findall("^## .+\n\n`python -m grader ", text, re.M)) == len(shown)
 
 
@@ -561,27 +514,6 @@ def test_a_progress_bar_in_pieces_is_one_line():
     assert printed == [("stdout", "2/2\n"), ("stderr", "warning\n"), ("stdout", "done\n")]
 
 
-def secrets():
-    """Yield each line of a solution that no released notebook contains."""
-    notebooks = "\n".join(
-        "".join(cell["source"])
-        for lesson in every_lesson()
-        for cell in json.loads(lesson.released.read_text("utf-8"))["cells"]
-    )
-    known = re.sub(r"[`*]", "", notebooks)
-    for lesson in every_lesson():
-        text = lesson.source.read_text("utf-8")
-        for region in re.findall("### BEGIN SOLUTION\n(.*?)### END SOLUTION", text, re.S):
-            for line in map(str.strip, region.splitlines()):
-                # Short lines may occur in any program, and lines with `# from` contain no code.
-                if (
-                    len(line) > 15
-                    and not line.startswith("# from ")
-                    and line.replace("*", "") not in known
-                ):
-                    yield line
-
-
 @pytest.mark.parametrize("suffix", [".html", ".js", ".ipynb"])
 def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
     line = "newcomers = np.flatnonzero((distance < threshold) & (labels == 0))"
@@ -657,8 +589,8 @@ def test_every_page_says_what_search_engines_and_messengers_show(site):
     described = [path for path in pages if path.name not in ("search.html", "404.html")]
     texts = {path: path.read_text("utf-8") for path in described}
     found = [re.findall('<meta name="description" content="(.+?)">', texts[path]) for path in texts]
-    assert {len(one) for one in found} == {1} and len(found) > 30
-    assert len({one[0] for one in found}) == len(found), "each page has its own description"
+    assert {len(matches) for matches in found} == {1} and len(found) > 30
+    assert len({matches[0] for matches in found}) == len(found), "each page has its own description"
     place = "https://anna.github.io/lidar/_static/sharing.png"
     assert all(f'property="og:image" content="{place}"' in text for text in texts.values())
     with Image.open(site / "_static" / "sharing.png") as shown:

@@ -1,36 +1,21 @@
 """From the checks alone, likely slips earn about as many points as a teacher would give."""
 
-import ast
-import importlib
 import textwrap
 
 import pytest
 
 from grader.course.lessons import lesson_of, load_reference
 from grader.judging.runner import run_checks
-from tests.course_lessons import COURSE
+from tests.slip_tables import TABLES, solution_of
 from tests.students import student_with
 
 SEED = 7
-TABLES = {
-    lesson.name: importlib.import_module(f"solutions.{lesson.stage}.{lesson.name}.slips").SLIPS
-    for lesson in COURSE
-}
 ALL = {
     f"{exercise}: {slip.title}": (exercise, slip)
     for table in TABLES.values()
     for exercise, likeliest in table.items()
     for slip in likeliest
 }
-
-
-def solution_of(exercise):
-    """Return the source of an exercise's function in the lesson's solution."""
-    lesson = lesson_of(exercise)
-    for node in ast.parse(lesson.text).body:
-        if isinstance(node, ast.FunctionDef) and node.name == exercise:
-            return ast.get_source_segment(lesson.text, node)
-    raise LookupError(exercise)
 
 
 def with_slip(exercise, slip):

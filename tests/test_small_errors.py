@@ -84,11 +84,11 @@ def test_slightly_wrong_answers_lose_points(exercise, seed):
     def nearly(*arguments, **keywords):
         return spoil(right(*arguments, **keywords))
 
-    answers = {one.name: getattr(reference, one.name) for one in lesson.machine_graded}
+    answers = {graded.name: getattr(reference, graded.name) for graded in lesson.machine_graded}
     student = student_with(lesson, answers | {exercise: nearly})
     outcomes = run_checks(lesson, student, seed, lambda check: check.exercise == exercise)
     for shown in (True, False):
         mine = [outcome for outcome in outcomes if outcome.check.is_shown == shown]
         held = [outcome.check for outcome in mine if outcome.failure is None]
-        share = sum(check.weight for check in held) / sum(one.check.weight for one in mine)
+        share = sum(check.weight for check in held) / sum(outcome.check.weight for outcome in mine)
         assert share <= LARGEST_SHARES.get(exercise, 1 / 3), [check.name for check in held]

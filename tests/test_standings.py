@@ -26,7 +26,7 @@ from grader.lms.results import (
     combined_status,
 )
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import (
+from tests.gradebooks import (
     DISTANCE,
     GROUND,
     LATE_PLUGIN,

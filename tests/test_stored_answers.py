@@ -346,7 +346,7 @@ def test_a_changed_experiment_is_recorded_again():
         recorder.wrap_stubs()
     assert namespace["all"](4) == 10
     recorded = json.loads(recorder.text())
-    assert [one["answer"] for one in recorded["experiments"]["all"].values()] == [10]
+    assert [entry["answer"] for entry in recorded["experiments"]["all"].values()] == [10]
     assert recorded["exercises"]["one"] == {}
 
 
@@ -354,7 +354,7 @@ def test_an_experiment_is_recorded_again_although_it_is_stored():
     namespace = {"experiment": len}
     lent.Lender({"experiments": {"experiment": {}}}, namespace).wrap_stubs()
     stored = record_answers(namespace, [("experiment", ([1, 2],))], ["experiment"])
-    assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]
+    assert [entry["answer"] for entry in stored["experiments"]["experiment"].values()] == [2]
 
 
 def stored_answers(**answers):

@@ -57,8 +57,8 @@ def test_parts_of_different_kinds_are_distinguished(a, b, c, d):
         submitted_files(name=a, notes=(b,), modules={c: d}),
         submitted_files(data=a.encode(), notes=(b,), modules={c: d}),
     )
-    for one, other in itertools.combinations(ways, 2):
-        assert (one.fingerprint() == other.fingerprint()) == (one == other)
+    for first, other in itertools.combinations(ways, 2):
+        assert (first.fingerprint() == other.fingerprint()) == (first == other)
 
 
 def test_a_file_name_that_is_not_text_has_a_fingerprint():

@@ -1,56 +1,26 @@
-"""`check` summarises failures, limits time and memory, and enforces a lesson's rules."""
-
-import builtins
-import contextlib
-import math
-import signal
-import subprocess
-import sys
-import threading
-import time
-from types import SimpleNamespace
+"""The summary of `check`: what is shown of failures, their causes, hints and known mistakes."""
 
 import numpy as np
 import pytest
 
-from grader.course.paths import PROJECT
 from grader.judging.messages import shareable_outcome
-from tests.prerequisites import PATIENCE
+from tests.artificial_checks import declare, forget_declarations, output_of
 from utils.checks import check, core, diagnosis, display
 from utils.checks.assertions import CheckFailed, WrongForm, as_labels, precondition
-from utils.checks.core import ChecksFailed, note_check, run_check, visible_check
+from utils.checks.core import ChecksFailed, note_check, run_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, diagnose
 from utils.checks.failures import NotYet
-from utils.checks.limits import TimeUp, limit_resources
 from utils.checks.line_hint import Line
 from utils.checks.outcomes import Check, Outcome
-from utils.checks.static_analysis import functions_used, refused_modules
 from utils.checks.summary import summarise
 
 
 @pytest.fixture
-def exercise(monkeypatch):
-    """Return the name of an artificial exercise; each test declares the exercise's checks."""
-    monkeypatch.setattr(core, "_CHECKS", dict(core._CHECKS))
-    monkeypatch.setattr(diagnosis, "_KNOWN", dict(diagnosis._KNOWN))
-    return "double"
+def declarations(monkeypatch):
+    forget_declarations(monkeypatch)
 
 
-def declare(title, exercise="double", weight=1, **more):
-    """Declare a check; the decorated function gets the student's function."""
-    return visible_check(
-        exercise, title=title, why="It matters.", hint=f"Hint of {title}.", weight=weight, **more
-    )
-
-
-def output_of(function, capsys, **options):
-    """Return the output of a `check` that fails."""
-    with pytest.raises(ChecksFailed):
-        check(function, "double", **options)
-    return capsys.readouterr().out
-
-
-def test_a_stub_prints_one_line_and_raises(exercise, capsys):
+def test_a_stub_prints_one_line_and_raises(declarations, capsys):
     for title in ("one", "two", "three"):
         declare(title)(lambda double: double(1))
 
@@ -62,7 +32,7 @@ def test_a_stub_prints_one_line_and_raises(exercise, capsys):
     assert "Hint" not in shown
 
 
-def test_a_stub_is_named_and_not_its_caller(exercise, capsys):
+def test_a_stub_is_named_and_not_its_caller(declarations, capsys):
     declare("one")(lambda double: double(1))
     namespace = {}
     exec(
@@ -73,7 +43,7 @@ def test_a_stub_is_named_and_not_its_caller(exercise, capsys):
     assert "double calls half, which is not written yet" in output_of(namespace["double"], capsys)
 
 
-def test_one_cause_is_shown_once_without_hints(exercise, capsys):
+def test_one_cause_is_shown_once_without_hints(declarations, capsys):
     for title in ("one", "two", "three"):
         declare(title)(lambda double: double(1))
 
@@ -87,13 +57,13 @@ def test_one_cause_is_shown_once_without_hints(exercise, capsys):
     assert "Hint" not in shown
 
 
-def test_a_second_cause_is_shown_without_its_hint(exercise, capsys):
+def test_a_second_cause_is_shown_without_its_hint(declarations, capsys):
     @declare("one")
-    def one(double):
+    def first(double):
         raise CheckFailed("The first is wrong.")
 
     @declare("two")
-    def two(double):
+    def second(double):
         raise CheckFailed("The second is wrong.")
 
     declare("three")(lambda double: None)
@@ -103,7 +73,7 @@ def test_a_second_cause_is_shown_without_its_hint(exercise, capsys):
     assert shown.index("The first") < shown.index("The second") < shown.index("three")
 
 
-def test_a_check_that_needs_a_failed_check_waits(exercise, capsys):
+def test_a_check_that_needs_a_failed_check_waits(declarations, capsys):
     @declare("doubles")
     def doubles(double):
         if double(2) != 4:
@@ -127,7 +97,7 @@ def test_a_wrong_form_does_not_make_other_checks_wait():
         as_labels(None, 3)
 
 
-def test_notes_cost_no_points_and_are_shown_after_success(exercise, capsys):
+def test_notes_cost_no_points_and_are_shown_after_success(declarations, capsys):
     declare("one")(lambda double: None)
 
     @note_check("double", title="Whole numbers stay whole", why="Later cells count with them.")
@@ -144,7 +114,7 @@ def test_notes_cost_no_points_and_are_shown_after_success(exercise, capsys):
 CASES = ((np.array([1.0, 2.0]),), (np.array([3.0, 0.0]),), (np.array([0.0, 0.0]),))
 
 
-def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
+def test_a_mistake_is_shown_only_if_it_explains_every_answer(declarations):
     declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
@@ -161,7 +131,7 @@ def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
     assert diagnose("another", lambda x: x) is None
 
 
-def test_a_mistake_needs_two_cases_and_no_competing_mistake(exercise):
+def test_a_mistake_needs_two_cases_and_no_competing_mistake(declarations):
     squared = Mistake("It is squared.", lambda right, x: x**2)
     rival = Mistake("It is multiplied by itself.", lambda right, x: x * x)
     declare_mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
@@ -170,7 +140,7 @@ def test_a_mistake_needs_two_cases_and_no_competing_mistake(exercise):
     assert diagnose("double", lambda x: x * x) is None, "a single case may agree by chance"
 
 
-def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
+def test_a_mistake_does_not_explain_an_exception(declarations, capsys):
     """The mistake explains all wrong answers, but not an exception for an empty array."""
     declare_mistakes(
         "double",
@@ -195,7 +165,7 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
     assert "IndexError" in shown and "squared" not in shown
 
 
-def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
+def test_a_function_that_changes_its_arguments_does_not_change_cases(declarations):
     declare_mistakes(
         "double", Mistake("Zero.", lambda right, x: 0 * x), cases=CASES, right=lambda x: 2 * x
     )
@@ -208,7 +178,7 @@ def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
         assert diagnose("double", double).description == "Zero."
 
 
-def test_a_mistake_is_shown_in_place_of_the_hint(exercise, capsys):
+def test_a_mistake_is_shown_in_place_of_the_hint(declarations, capsys):
     declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2, "Multiply by 2."),
@@ -228,9 +198,9 @@ def test_a_mistake_is_shown_in_place_of_the_hint(exercise, capsys):
 
 def test_every_known_mistake_predicts_its_own_answers(lesson):
     """Each mistake predicts answers that neither the solution nor another mistake gives."""
-    for one in lesson.machine_graded:
-        core.checks_of(one.name)  # importing the checks declares the mistakes
-        known = diagnosis._KNOWN.get(one.name)
+    for exercise in lesson.machine_graded:
+        core.checks_of(exercise.name)  # importing the checks declares the mistakes
+        known = diagnosis._KNOWN.get(exercise.name)
         if known is None or known.call is not diagnosis._plain_call:
             continue  # only kept answers test mistakes that define their own calls
         for mistake in known.mistakes:
@@ -238,8 +208,8 @@ def test_every_known_mistake_predicts_its_own_answers(lesson):
             def function(*case, mistake=mistake, known=known):
                 return mistake.predict(known.right(*case), *case)
 
-            assert diagnose(one.name, function) is mistake, (one.name, mistake.description)
-        assert diagnose(one.name, known.right) is None
+            assert diagnose(exercise.name, function) is mistake, mistake.description
+        assert diagnose(exercise.name, known.right) is None
 
 
 class Hostile:
@@ -260,218 +230,13 @@ STRANGE = (
 
 @pytest.mark.parametrize("number", range(len(STRANGE)))
 def test_unusual_answers_are_harmless_and_have_no_known_cause(lesson, number):
-    for one in lesson.machine_graded:
-        core.checks_of(one.name)
+    for exercise in lesson.machine_graded:
+        core.checks_of(exercise.name)
 
         def function(*anything, **more):
             return STRANGE[number]
 
-        assert diagnose(one.name, function) is None
-
-
-# ---- time and memory -----------------------------------------------------------------------------
-
-
-def endless(x):
-    while True:
-        x = x + 1
-
-
-def ignores_interrupts(x):
-    while True:
-        try:
-            while True:
-                x = x + 1
-        except:  # noqa: E722
-            if x > 10**9:
-                raise
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("function", [endless, ignores_interrupts])
-def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
-    monkeypatch.setattr(core, "SECONDS", 1)
-    declare("one")(lambda double: None)
-    declare("two")(lambda double: double(0) if function is endless else ignores_two_interrupts())
-    declare("three")(lambda double: None)
-
-    def ignores_two_interrupts():
-        """Catch the first two interrupts, but not the third."""
-        for _ in range(2):
-            with contextlib.suppress(BaseException):
-                endless(0)
-        endless(0)
-
-    begin = time.monotonic()
-    shown = output_of(function, capsys)
-    assert time.monotonic() - begin < PATIENCE
-    assert "did not return within 1 s. It was in the loop in line" in shown
-    assert "[passed] one" in shown and "[waiting] three" in shown
-
-
-@pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
-def test_the_time_limit_works_without_interrupts(handler):
-    """The limit also works in background processes of scripts, which ignore interrupts."""
-
-    def busy():
-        end = time.monotonic() + 600
-        while time.monotonic() < end:
-            pass
-
-    before = signal.signal(signal.SIGINT, handler)
-    try:
-        with pytest.raises(TimeUp), limit_resources(0.1):
-            busy()
-        assert signal.getsignal(signal.SIGINT) is handler
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def test_a_check_may_have_its_own_question_about_a_timeout(exercise, capsys, monkeypatch):
-    monkeypatch.setattr(core, "SECONDS", 1)
-    declare("one", slow="is every point visited twice?")(lambda double: double(0))
-    shown = output_of(endless, capsys)
-    assert "`. Is every point visited twice? If" in shown and "never ends" not in shown
-
-
-def test_the_time_limit_does_not_suppress_an_interrupt():
-    with pytest.raises(KeyboardInterrupt), limit_resources(30):
-        raise KeyboardInterrupt
-
-
-def test_the_time_limit_never_interrupts_later_code():
-    for _ in range(20):
-        try:
-            with limit_resources(0.002):
-                time.sleep(0.002)
-        except TimeUp:
-            pass
-    time.sleep(0.05)
-    assert not [one for one in threading.enumerate() if one.name.endswith("(ring)")]
-
-
-def fail_to_start(self):
-    raise RuntimeError("can't start new thread")
-
-
-def busy_for(seconds):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        pass
-
-
-def test_an_endless_loop_is_stopped_even_without_threads(monkeypatch):
-    monkeypatch.setattr(threading.Thread, "start", fail_to_start)
-    start = time.monotonic()
-    with pytest.raises(TimeUp), limit_resources(0.1):
-        busy_for(600)
-    assert time.monotonic() - start < PATIENCE
-    with limit_resources(20):
-        busy_for(0.01)
-    assert sys.gettrace() is None
-
-
-def test_a_check_prints_the_same_text_without_threads(exercise, capsys, monkeypatch):
-    monkeypatch.setattr(core, "SECONDS", 0.5)
-    monkeypatch.setattr(threading.Thread, "start", fail_to_start)
-    declare("one")(lambda double: double(0))
-    assert "was in the loop in line" in output_of(endless, capsys)
-    check(lambda x: x, "double")
-    assert "[passed] one" in capsys.readouterr().out
-
-
-def test_nothing_is_limited_in_another_thread():
-    found = []
-
-    def work():
-        with limit_resources(0.01):
-            time.sleep(0.05)
-            found.append(1)
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    assert found == [1]
-
-
-@pytest.mark.skipif(
-    not sys.platform.startswith("linux"), reason="only Linux says how much memory is free"
-)
-def test_too_much_memory_is_an_error_and_not_a_crash():
-    script = """
-import numpy as np
-from utils.checks.limits import limit_resources
-try:
-    with limit_resources(20):
-        np.ones(2**50)
-except MemoryError:
-    print("caught")
-kept = np.ones(10**7)
-print(kept.size)
-"""
-    ran = subprocess.run(
-        [sys.executable, "-c", script], cwd=PROJECT, capture_output=True, text=True
-    )
-    assert ran.stdout.split() == ["caught", "10000000"], ran.stderr
-
-
-# ---- the lesson's rules --------------------------------------------------------------------------
-
-USES = {
-    "import inside": "def f(x):\n    import sklearn.cluster\n    return x",
-    "from inside": "def f(x):\n    from sklearn.cluster import DBSCAN\n    return DBSCAN()",
-    "from a package inside": "def f(x):\n    from sklearn import cluster\n    return cluster",
-    "a module": "import sklearn.cluster\ndef f(x):\n    return sklearn.cluster.DBSCAN(0.5)",
-    "a module by another name": "import sklearn.cluster as c\ndef f(x):\n    return c.DBSCAN(0.5)",
-    "a class": "from sklearn.cluster import DBSCAN\ndef f(x):\n    return DBSCAN(0.5)",
-    "a compiled function": "from scipy.sparse.csgraph import connected_components as cc\n"
-    "def f(x):\n    return cc(x)",
-    "a helper": "import scipy.cluster.hierarchy as h\ndef g(x):\n    return h.fclusterdata(x, 1)\n"
-    "def f(x):\n    return g(x)",
-    "the student's own class": "import sklearn.cluster as c\nclass K:\n    def m(self):\n"
-    "        return c.DBSCAN()\ndef f(x):\n    return K().m()",
-    "a loop inside": "import sklearn.cluster as c\ndef f(x):\n    return [c.DBSCAN() for _ in x]",
-}
-FREE = {
-    "scipy.spatial": "from scipy.spatial import cKDTree\ndef f(x):\n    return cKDTree(x)",
-    "the rest of a package": "import scipy.sparse\ndef f(x):\n    return scipy.sparse.eye(3)",
-    "imported and not used": "import sklearn.cluster\ndef f(x):\n    return x",
-    "a word": "def f(x):\n    cluster = x\n    return cluster",
-    "an attribute with the name of something imported": "from scipy.cluster import vq as tree\n"
-    "def f(x):\n    return x.tree",
-}
-
-
-def function_in(source):
-    namespace = {"__name__": "__main__"}
-    exec(source, namespace)
-    return namespace["f"]
-
-
-@pytest.mark.parametrize("name", USES)
-def test_forbidden_modules_are_found(name):
-    assert refused_modules(function_in(USES[name]), "lesson_05")
-    assert not refused_modules(function_in(USES[name]), "lesson_06")
-
-
-@pytest.mark.parametrize("name", FREE)
-def test_allowed_modules_are_accepted(name):
-    assert not refused_modules(function_in(FREE[name]), "lesson_05")
-
-
-def test_a_refused_module_hides_all_other_messages(capsys):
-    function = function_in(USES["a class"])
-    with pytest.raises(ChecksFailed):
-        check(function, "euclidean_clustering")
-    shown = capsys.readouterr().out
-    assert "sklearn.cluster, which is not allowed" in shown and "The judge gives no points" in shown
-    assert "[passed]" not in shown
-
-
-def test_unusual_functions_are_searched_without_an_error():
-    for odd in (len, print, np.sqrt, math.sqrt, dict, SimpleNamespace(), 7, builtins):
-        assert refused_modules(odd, "lesson_05") == []
-        assert functions_used(odd) == {}
+        assert diagnose(exercise.name, function) is None
 
 
 def test_a_wrong_helper_of_the_same_lesson_is_named(capsys):

@@ -140,7 +140,7 @@ def test_an_edit_of_a_right_answer_loses_points_or_is_equivalent(case):
     answer = next(notebook for notebook in answers_in_notebooks(exercise) if notebook.name == name)
     found = survey(exercise, [answer], 5 if exercise in SLOW and name != SOLUTION else 1)
     assert len(found.wrong) > 20
-    escaped = [(one.before, one.after) for one, _ in found.escaped]
+    escaped = [(edit.before, edit.after) for edit, _ in found.escaped]
     assert [pair for pair in escaped if pair not in KNOWN.get(exercise, {})] == []
 
 
@@ -150,5 +150,5 @@ def test_few_answers_lose_more_than_three_fifths_for_one_edit(sandbox):
     """In a sample of each solution's edits, fewer than a tenth lose more than three fifths."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)
-    severe = [(one.before, one.after) for share, one in lost if share > LARGEST_LOSS]
+    severe = [(edit.before, edit.after) for share, edit in lost if share > LARGEST_LOSS]
     assert len(severe) < len(lost) / 10, severe

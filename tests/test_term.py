@@ -32,7 +32,7 @@ MOST = (10.0, 40.0, 50.0, 30.0)
 DROP, PASS = TermRules(drop_lowest=1), TermRules(pass_mark=50)
 
 
-def notebooks(*scores, standing=None, penalties=(0.0,) * 4, student="ada"):
+def notebooks(*scores, status=None, penalties=(0.0,) * 4, student="ada"):
     """Return results in the lessons; a score of None is missing work, and (x,) waits."""
     found = []
     for lesson, most, score, penalty in zip(LESSONS, MOST, scores, penalties, strict=False):
@@ -40,7 +40,7 @@ def notebooks(*scores, standing=None, penalties=(0.0,) * 4, student="ada"):
         (score,) = score if waits else (score,)
         state = WAITING if waits else MISSING if score is None else MARKED
         stage = find_lesson(lesson).stage
-        about = (student, stage, lesson, standing or state, score, most, penalty)
+        about = (student, stage, lesson, status or state, score, most, penalty)
         found.append(NotebookResult(*about))
     return found
 
@@ -103,11 +103,11 @@ def test_equal_lessons_are_left_out_in_their_order():
 
 
 def test_excused_lessons_are_neither_dropped_nor_counted():
-    results = notebooks(9.0, 20.0) + notebooks(1.0, 1.0, 1.0, 1.0, standing=EXCUSED)[2:]
+    results = notebooks(9.0, 20.0) + notebooks(1.0, 1.0, 1.0, 1.0, status=EXCUSED)[2:]
     assert total(results, DROP) == (9.0, 10.0, ["02"])
-    for standing in (EXCUSED, AUDITOR):
+    for status in (EXCUSED, AUDITOR):
         term = term_result(
-            notebooks(9.0, None, standing=standing), TermRules(drop_lowest=1, pass_mark=50)
+            notebooks(9.0, None, status=status), TermRules(drop_lowest=1, pass_mark=50)
         )
         assert (term.points, term.max_score, term.dropped, term.passed) == (None, 0.0, (), None)
         assert describe_term(term, PASS) == "No lesson counts."
@@ -163,10 +163,10 @@ def results_of(by_person, rules):
     stages, all_results = [], []
     for own in by_person.values():
         all_results += own
-        for stage in dict.fromkeys(one.stage for one in own):
-            part = [one for one in own if one.stage == stage]
-            known = [one.score for one in part if one.score is not None]
-            most = sum(one.max_score for one in part)
+        for stage in dict.fromkeys(result.stage for result in own):
+            part = [result for result in own if result.stage == stage]
+            known = [result.score for result in part if result.score is not None]
+            most = sum(result.max_score for result in part)
             score = sum(known) if known else None
             stages.append(StageResult(part[0].student, stage, combined_status(part), score, most))
     return ClassResults(tuple(by_person), tuple(all_results), tuple(stages), rules=rules)
@@ -178,7 +178,7 @@ def class_with(rules):
             ADA: notebooks(10.0, 40.0, 0.0, 3.0),
             BO: notebooks(None, None, None, None, student="bo"),
             CY: notebooks(10.0, 40.0, (50.0,), 30.0, student="cy"),
-            DEE: notebooks(9.0, 9.0, 9.0, 9.0, student="dee", standing=AUDITOR),
+            DEE: notebooks(9.0, 9.0, 9.0, 9.0, student="dee", status=AUDITOR),
         },
         rules,
     )
@@ -205,7 +205,9 @@ def test_scores_csv_shows_totals_and_the_pass_mark():
 def test_marks_of_single_assignments_follow_no_rule_of_the_term():
     plain, ruled = class_with(TermRules()), class_with(RULES)
     assert scores(plain, "stage1_ransac") == scores(ruled, "stage1_ransac")
-    options = [ExportOptions(Course(), one, "stage1_ransac", True) for one in (plain, ruled)]
+    options = [
+        ExportOptions(Course(), results, "stage1_ransac", True) for results in (plain, ruled)
+    ]
     assert collect_marks(options[0]).marks == collect_marks(options[1]).marks
 
 

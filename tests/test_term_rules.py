@@ -30,7 +30,7 @@ from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.report import write_report
 from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING
 from grader.lms.results_reader import class_results
-from tests.test_gradebook import (
+from tests.gradebooks import (
     DISTANCE,
     GROUND,
     LATE_PLUGIN,
@@ -108,7 +108,7 @@ def test_an_exercise_that_is_switched_off_counts_in_neither_scores_nor_maxima(co
     settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     after = class_results(course)
     assert [
-        (one.score, one.max_score) for one in (result(course, "ada"), result(course, "bob"))
+        (mark.score, mark.max_score) for mark in (result(course, "ada"), result(course, "bob"))
     ] == [
         (3.25, 10.0),
         (None, 10.0),
@@ -222,12 +222,12 @@ def test_the_judges_points_leave_out_an_exercise_that_is_switched_off(course, ca
     check = CheckResult("a", "Keeps all points", True, 8.5, 20.0, "", False)
     judged = [
         (
-            one,
+            submission,
             replace(
                 verdict, exercises=tuple(replace(e, tests=(check,)) for e in verdict.exercises)
             ),
         )
-        for one, verdict in judged
+        for submission, verdict in judged
     ]
     page = write_report(course, judged, results).read_text("utf-8")
     assert f"{GROUND.name}: 3.3 of 10 points from the judge" in page
@@ -302,9 +302,9 @@ def lost_percentages(course, text):
     """Grade with the settings, and return the share that each lesson loses, in per cent."""
     grade(course, text)
     return {
-        (one.student, one.lesson[:2]): round(100 * one.penalty / one.score, 6)
-        for one in class_results(course).notebooks
-        if one.penalty
+        (notebook.student, notebook.lesson[:2]): round(100 * notebook.penalty / notebook.score, 6)
+        for notebook in class_results(course).notebooks
+        if notebook.penalty
     }
 
 

@@ -25,5 +25,7 @@ def test_unfinished_figures_stay_only_if_they_are_not_empty():
 
 
 def test_no_figure_is_closed_without_matplotlib(monkeypatch):
+    empty = plt.figure()
     monkeypatch.delitem(tracebacks.sys.modules, "matplotlib.pyplot")
     tracebacks._close_empty_figures()
+    assert plt.get_fignums() == [empty.number]

@@ -72,11 +72,11 @@ def test_a_published_verdict_has_only_some_fields():
 
 
 def test_equal_parts_of_verdicts_share_memory():
-    one, other = full_verdict().compact(), full_verdict().compact()
-    assert one == other == full_verdict() and one.exercises[0] is other.exercises[0]
+    first, other = full_verdict().compact(), full_verdict().compact()
+    assert first == other == full_verdict() and first.exercises[0] is other.exercises[0]
     another = dataclasses.replace(full_verdict().exercises[0], score=0.0)
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
-    assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
+    assert another.exercises[0].tests[1] is first.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
     assert verdict_module._intern.cache_info().maxsize > 5000  # room for all checks and outcomes
 

@@ -72,14 +72,13 @@ def judge_with(monkeypatch):
                 )
             )
             again = waiting.pop(0)
-            outcomes = tuple(one for one in again.outcomes if wanted(one.check))
+            outcomes = tuple(outcome for outcome in again.outcomes if wanted(outcome.check))
             name = f"run {len(runs)}"
             return step(name, context, dataclasses.replace(again, outcomes=outcomes))
 
         monkeypatch.setattr(judging, "run_program", run)
-        monkeypatch.setattr(
-            judging, "_full_mark_decisions", {}
-        )  # clears the cache of right submissions
+        # Clear the cache of right submissions.
+        monkeypatch.setattr(judging, "_full_mark_decisions", {})
         monkeypatch.setattr(judging, "reference_failures", lambda *about: complaints)
         monkeypatch.setattr(
             judging,
@@ -141,7 +140,7 @@ ODD = OSError("once")
 
 def test_only_suspicious_failures_are_retried(judge_with):
     verdict, runs = judge_with(run_results((FAILURE, ODD), (None, ODD)), run_results())
-    assert [len(one.names) for one in runs] == [4, 2] and not runs[1].explain
+    assert [len(program.names) for program in runs] == [4, 2] and not runs[1].explain
     assert runs[1].names == ["filter_ground 1", "voxel_grid 1"]
     assert runs[0].program == runs[1].program
     points = {exercise.name: exercise.points for exercise in FILTER.machine_graded}
@@ -171,7 +170,7 @@ def test_ordinary_failures_are_not_retried(judge_with, failure):
 def test_a_repeated_failure_counts_if_the_solution_passes(judge_with, tries):
     verdict, _ = judge_with(*tries)
     assert (verdict.status, verdict.faults) == (JUDGED, ())
-    points = {one.name: one.points for one in FILTER.machine_graded}
+    points = {exercise.name: exercise.points for exercise in FILTER.machine_graded}
     assert scores(verdict) == {"filter_ground": 0.0, "voxel_grid": points["voxel_grid"] / 2}
     verdict, _ = judge_with(*tries, complaints=("voxel_grid, x",))
     assert (verdict.status, verdict.score, verdict.max_score) == ("judge_failed", 0.0, 30.0)

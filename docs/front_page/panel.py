@@ -1,7 +1,7 @@
 """Build the panel at the top of the website's front page: a scan that readers turn and divide.
 
-The scan is a script, because a page from a disk cannot fetch a file. ``playground.js`` decodes the
-scan, and computes and draws everything.
+The scan is a script, because a page that is opened from a disk cannot fetch files.
+``playground.js`` decodes the scan, and computes and draws everything.
 """
 
 from __future__ import annotations

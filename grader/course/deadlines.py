@@ -141,10 +141,11 @@ class Deadlines:
 
     def unassigned_lessons(self, lessons: Iterable[Lesson]) -> list[Lesson]:
         """Return the lessons that do not count, because the file lists only other lessons."""
+        assigned = {lesson: self.assigned_lessons(lesson.stage) for lesson in lessons}
         return [
             lesson
-            for lesson in lessons
-            if lesson.name not in (self.assigned_lessons(lesson.stage) or (lesson.name,))
+            for lesson, names in assigned.items()
+            if names is not None and lesson.name not in names
         ]
 
     def extensions(self, name: str) -> dict[str, datetime]:

@@ -3,9 +3,8 @@
 The rates were fitted to the times of readers who worked through all twelve lessons. They read
 slowly, late at night, looked at each picture and wrote every answer. The mean error was eight
 minutes per lesson. For lessons 08 and 10, the estimate is within three minutes of the time that a
-later reader needed. Lessons 04, 06 and 07 need less thought than their length suggests, and lesson
-11 needs more. These four lessons state the minutes that readers named. A lesson's total excludes
-optional sections.
+later reader needed. Lessons 04, 06 and 07 need less thought than their length suggests, so they
+state the minutes that readers named. A lesson's total excludes optional sections.
 """
 
 from __future__ import annotations

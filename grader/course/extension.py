@@ -14,8 +14,8 @@ def extension_constant(name: str) -> Collection:
     name : str
         ``COMMANDS``: functions that add a command to ``python -m grader``. ``REPORT_LINKS``:
         functions that take a `Course` and return the links in its report, as pairs (address,
-        text). ``OPTIONAL_PACKAGES``: pairs (folder, text). A standalone notebook contains the
-        package in the folder only if the notebook contains the text.
+        text). ``OPTIONAL_PACKAGES``: pairs (path, text). A standalone notebook contains the
+        folder or file at the path only if the notebook contains the text.
     """
     if not (PROJECT / "extension" / "registry.py").exists():
         return ()

@@ -272,7 +272,7 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
             part = versions[start : start + VERSIONS_PER_REQUEST]
             rows = [list(edit.row) for edit in part]
             # A separate name, so that versions that hang do not shorten the time of the next call.
-            student.exercise = f"versions from {begin}"
+            student.exercise = f"versions from {start}"
             try:
                 runs = _runs(student.run_cases(rows, codes, watched), number_of)
             except StudentStopped as stopped:

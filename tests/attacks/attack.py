@@ -60,9 +60,25 @@ def outcome_of(source, *arguments, **options):
 
 def stopped_by(source, *arguments, calls=3, **limits):
     """Call `f` until the sandbox stops it; return the sandbox's message, or fail."""
-    begin = time.monotonic()
+    start = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):
             student.f(*arguments)
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
     return str(stopped.value)
+
+
+# Code that holds memory, in its own process or in child processes.
+HOLD_MEMORY = """
+import ctypes, mmap, os, threading, time
+def hold(megabytes):
+    block = mmap.mmap(-1, megabytes * 2**20)
+    for page in range(0, len(block), 4096):
+        block[page] = 1
+    return block
+def children(number, megabytes, then=lambda block: time.sleep(60)):
+    for _ in range(number):
+        if os.fork() == 0:
+            then(hold(megabytes))
+            os._exit(0)
+"""

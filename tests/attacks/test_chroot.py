@@ -185,13 +185,13 @@ def test_memory_of_orphaned_processes_counts_towards_the_limit():
         "if os.fork() == 0:\n    os.setsid()\n    if os.fork(): os._exit(0)\n"
         "    kept = np.ones(2**27)\n    time.sleep(600)\ntime.sleep(600)"
     )
-    begin = time.monotonic()
+    start = time.monotonic()
     with (
         attack(function(body), call_seconds=15.0, total_memory=2**30) as student,
         pytest.raises(StudentStopped, match="too much memory"),
     ):
         student.f()
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 CHECK_SANDBOX = """

@@ -110,7 +110,7 @@ def test_a_file_name_in_another_platforms_style_changes_neither_owner_nor_format
         *in_class(*cy[:4], [(name, cheeky) for name in names]),
     ]
     outcome = collect(course, archive(course, files))
-    assert [one[1] for one in outcome.archives] == [platform.split(" ")[0]]
+    assert [archive[1] for archive in outcome.archives] == [platform.split(" ")[0]]
     assert set(outcome.states) == {"bjorn", "cy"}
     (placed,) = (course.submitted / "bjorn" / STAGE).glob("*.ipynb")
     assert placed.read_bytes() == honest

@@ -99,9 +99,9 @@ def processor_seconds(prepare, work, times=3):
     found = []
     for _ in range(times):
         material = prepare()
-        begin = time.process_time()
+        start = time.process_time()
         work(material)
-        found.append(time.process_time() - begin)
+        found.append(time.process_time() - start)
     return min(found)
 
 

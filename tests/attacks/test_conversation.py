@@ -120,8 +120,8 @@ while True: os.write(write, b" ")
     },
 )
 def test_an_invalid_reply_stops_the_student(body, sentence):
-    source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
-    begin = time.monotonic()
+    source = PIPES + function(body)
+    start = time.monotonic()
     with attack(source, call_seconds=0.5) as student, pytest.raises(StudentStopped) as stopped:
         if '"arguments"' in body:
             student._calls = 1
@@ -129,7 +129,7 @@ def test_an_invalid_reply_stops_the_student(body, sentence):
         for number in range(3):
             student.f(number)
     assert re.search(sentence, str(stopped.value))
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 # Code that sends every reply after the first in pieces.
@@ -222,7 +222,7 @@ return arguments[0]
 
 
 def test_a_forged_answer_is_checked_like_any_other_answer():
-    """An answer that was sent before the call is still compared with the expected answer."""
+    """An answer sent before its call is refused; a forged one sent during its call counts."""
     source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
     with (
         attack(source) as student,

@@ -99,8 +99,8 @@ class DecodedDetector:
     def detect_obstacles(self, cloud):
         message = wire_format.encode(self._answer(cloud))
         tree, blob = wire_format.sizes_in(message[: wire_format.HEADER.size])
-        begin = wire_format.HEADER.size
-        return wire_format.decode(message[begin : begin + tree], message[begin + tree :])
+        start = wire_format.HEADER.size
+        return wire_format.decode(message[start : start + tree], message[start + tree :])
 
 
 def cuboid(centre, half):

@@ -59,7 +59,7 @@ def test_feedback_does_not_reveal_the_correct_helper(tmp_path):
     results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=thief)
     result = results["ransac_line"]
     assert 0.5 * result.max_score < result.score < result.max_score, (
-        "it was judged with a right one"
+        "it was judged with a right helper"
     )
     messages = "\n".join(test.message for test in result.tests)
     assert "must return two values" in messages

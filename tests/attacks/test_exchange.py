@@ -185,7 +185,7 @@ def test_a_file_of_another_account_is_refused(inbound, collect, give_to_mallory)
 
 @pytest.mark.parametrize("name", [".collected.json", ".older/old.ipynb", "parts/.collected.json"])
 def test_hidden_files_are_not_collected(name, inbound, collect):
-    """The hidden record of `collect` states each file's owner and time, so it may be forged."""
+    """The hidden record of `collect` states the owner and time of files, and could be forged."""
     submit(inbound, {NOTEBOOK: "{}", name: '{"files": {}, "others": "no time"}'})
     collected, _ = collect()
     assert sorted(collected) == [f"{USER}/{STAGE}/{NOTEBOOK}", f"{USER}/{STAGE}/timestamp.txt"]

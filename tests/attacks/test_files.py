@@ -285,9 +285,9 @@ def test_an_unusual_file_in_place_of_a_module_is_harmless(make, tmp_path):
     notebook = tmp_path / "x" / "06_filter_ground.ipynb"
     notebook.write_text(json.dumps(notebook_of("x = 1")))
     make(tmp_path / "x" / "helper.py", other)
-    begin = time.monotonic()
+    start = time.monotonic()
     submitted = read_submitted_files(notebook)
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
     assert "SECRET" not in "".join(submitted.modules.values())
     assert submitted.notebook().code == ("x = 1",)
 

@@ -114,7 +114,7 @@ SCIPY_IN_MEMORY = """
 import gc, sys, types
 gc.unfreeze()  # shows what the fork server keeps from the collector
 kinds = type, types.FunctionType, types.BuiltinFunctionType
-homes = {one.__module__ for one in gc.get_objects() if isinstance(one, kinds)}
+homes = {thing.__module__ for thing in gc.get_objects() if isinstance(thing, kinds)}
 names = homes | set(sys.modules)
 return sorted(name for name in names if isinstance(name, str) and name.startswith("scipy"))
 """
@@ -175,19 +175,19 @@ def test_a_killed_fork_server_is_started_again():
     """The kernel may kill the server when memory is short, but the notebook is still judged."""
     with attack(function("return 3")) as student:
         assert student.f() == 3
-        [server] = parent_process(student._worker.forked.pid)
+        server = grandparent_of(student._worker.forked.pid)
         os.kill(server, signal.SIGKILL)
         assert student.f() == 3
         with attack(function("return 4")) as other:
             assert other.f() == 4
 
 
-def parent_process(pid):
-    """Return a list with the ID of the process that forked a worker's parent."""
+def grandparent_of(pid):
+    """Return the ID of the parent of a process's parent; for a forked worker, the fork server."""
     for _ in range(2):
         with open(f"/proc/{pid}/stat") as stat:
             pid = int(stat.read().rpartition(")")[2].split()[1])
-    return [pid]
+    return pid
 
 
 def test_workers_can_be_forked_concurrently():
@@ -204,7 +204,7 @@ def test_workers_can_be_forked_concurrently():
     assert sorted(seen) == list(range(6))
 
 
-def test_a_killed_judge_leaves_no_processes(tmp_path):
+def test_a_killed_judge_leaves_no_processes():
     """The worker and the fork server end when the judge is killed and cannot clean up."""
     program = (
         "import sys, time\nfrom grader.sandbox import SANDBOXES, Limits\n"
@@ -214,10 +214,9 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
     judge = subprocess.Popen(
         [sys.executable, "-c", program], cwd=PROJECT, stdout=subprocess.PIPE, text=True
     )
-    numbers = [int(word) for word in judge.stdout.readline().split()]
-    numbers += [number for pid in numbers for number in process_tree(pid)] + parent_process(
-        numbers[-1]
-    )
+    pids = [int(word) for word in judge.stdout.readline().split()]
+    numbers = [*pids, *(number for pid in pids for number in process_tree(pid))]
+    numbers.append(grandparent_of(pids[-1]))
     judge.kill()
     judge.wait()
     judge.stdout.close()
@@ -234,13 +233,13 @@ def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
     program = (
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
         "from grader.sandbox.launcher import ENVIRONMENT\n"
-        "walls = bubblewrap.Bubblewrap()\n"
+        "sandbox = bubblewrap.Bubblewrap()\n"
         "bubblewrap._can_join_namespaces()\n"
         "ENVIRONMENT['MARK'] = sys.argv[1]\n"
         "for moment in range(20):\n"
         "    judge = os.fork()\n"
         "    if judge == 0:\n"
-        "        walls.start(Limits(), (), ['scipy'])\n"
+        "        sandbox.start(Limits(), (), ['scipy'])\n"
         "        time.sleep(600)\n"
         "    begun = open(f'/proc/{judge}/task/{judge}/children')\n"
         "    while not begun.read(): begun.seek(0)\n"

@@ -10,7 +10,7 @@ from grader.lms.autograder import __main__ as program
 from grader.lms.autograder import judging
 from grader.sandbox import SANDBOXES
 from tests.attacks.attack import with_attacks
-from tests.test_autograder import exercise, verdict
+from tests.autograder_verdicts import exercise_result, verdict
 
 SIX = find_lesson("06_filter_ground")
 NAME = f"{SIX.name}.ipynb"
@@ -38,7 +38,7 @@ def judged_files(monkeypatch):
 
     def judge_one(submitted_files, lesson, student, seed, sandbox, is_alone=False):
         judged.append((submitted_files, seed))
-        return verdict((exercise(),))
+        return verdict((exercise_result(),))
 
     monkeypatch.setattr(judging, "judge_one", judge_one)
     return judged

@@ -1,14 +1,11 @@
 """Attacks with scripts in a written answer, which Formgrader, the feedback and the report show."""
 
-import html.parser
 import json
-import re
 from dataclasses import replace
 
 import nbformat
 import pytest
 from markdown_it import MarkdownIt
-from nbconvert.exporters import HTMLExporter
 from nbconvert.filters import markdown2html
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
@@ -20,44 +17,8 @@ from grader.judging.judge import UnknownLesson, judge_files
 from grader.lms.autograded_copy import _student_cell, build_copy, write_verdict
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
 from tests.attacks.attack import with_attacks
+from tests.attacks.pages import active_parts, page_of
 from utils.notebooks.reading import Cell, UnreadableNotebook
-
-# Tags that Markdown produces from plain text.
-SAFE_TAGS = {
-    *("p", "h1", "h2", "h3", "h4", "h5", "h6", "em", "strong", "code", "pre", "a", "img", "ul"),
-    *("ol", "li", "blockquote", "hr", "br", "del", "table", "thead", "tbody", "tr", "th", "td"),
-    *("span", "div"),
-}
-SCHEME = re.compile(r"([a-z][a-z0-9+.-]*):")
-
-
-class ActivePartCollector(html.parser.HTMLParser):
-    """Collects the tags and attributes that a browser would act on."""
-
-    def __init__(self):
-        super().__init__()
-        self.active_parts = []
-
-    def handle_starttag(self, tag, attributes):
-        if tag not in SAFE_TAGS:
-            self.active_parts.append(tag)
-        for name, value in attributes:
-            address = "".join((value or "").split()).lower()
-            if name.startswith("on") or name == "style" and "url(" in address:
-                self.active_parts.append((tag, name))
-            if tag == "img" and name == "src" and not address.startswith(("attachment:", "data:")):
-                self.active_parts.append((tag, name, value))
-            if name in ("href", "src", "action", "formaction", "xlink:href"):
-                scheme = SCHEME.match(address)
-                if scheme and scheme[1] not in ("http", "https", "mailto", "attachment"):
-                    self.active_parts.append((tag, name, value))
-
-
-def active_parts(page):
-    collector = ActivePartCollector()
-    collector.feed(page)
-    return collector.active_parts
-
 
 SCRIPTS = {
     "a picture with an error handler": "<img src=x onerror=\"fetch('/api/contents/solutions')\">",
@@ -202,10 +163,6 @@ def released_page():
     lesson = find_lesson("12_streaming_obstacles")
     released = SubmittedFiles(lesson.released.name, lesson.released.read_bytes())
     return page_of(build_copy(prepare(released, lesson)))
-
-
-def page_of(notebook):
-    return HTMLExporter(template_name="classic").from_notebook_node(notebook)[0]
 
 
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.course.kept_answers import answers_to, fill_in
-from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
+from grader.course.lessons import find_lesson, lesson_of, load_reference
 from grader.course.paths import PROJECT
 from grader.judging import repair
 from grader.judging.judge import judge
@@ -254,6 +254,7 @@ def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
 
                 tried += 1
                 assert earned_by(lesson, exercise, answer) <= LARGEST_SHARE, (exercise, name, order)
+    assert tried > 20
     reference = load_reference(lesson.name)
     for exercise in calls_of(lesson):
         assert earned_by(lesson, exercise, getattr(reference, exercise)) == 1
@@ -398,6 +399,7 @@ def test_changes_to_given_code_have_no_effect(cell, submit):
     messages = [
         test.message for exercise in verdict.exercises for test in exercise.tests if test.message
     ]
+    # The cell either has no effect on the right answer above it, or spoils this answer.
     assert share(verdict, "insert") <= LARGEST_SHARE or share(verdict, "insert") == 1, messages
 
 
@@ -570,6 +572,3 @@ def test_answers_that_are_far_too_large_earn_almost_nothing(exercise, claim, sub
 
 def test_the_attacks_use_the_default_memory_limit():
     assert Limits(**SHORT).memory == Limits().memory
-    assert [lesson.name for lesson in all_lessons()] == sorted(
-        lesson.name for lesson in all_lessons()
-    )

@@ -20,7 +20,7 @@ from grader.sandbox.failures import KNOWN_EXCEPTIONS, MAX_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES
 from grader.sandbox.student import MAX_FAILED_CELLS
 from tests.attacks.attack import attack, function, with_attacks
-from tests.test_messages import FAILURES
+from tests.check_sources import FAILURES
 from utils.checks import checks_of, tips
 from utils.checks.diagnosis import known_mistakes
 from utils.notebooks import edits
@@ -111,9 +111,7 @@ def collect_outputs(tmp_path, capsys):
         "in a place in the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_feedback_does_not_reveal_hidden_input(
-    body, submit, filter_lesson, collect_outputs, tmp_path
-):
+def test_feedback_does_not_reveal_hidden_input(body, submit, filter_lesson, collect_outputs):
     """No output shows hidden input, wherever the answer puts it."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
     verdict = submit({"filter_ground": source})

@@ -28,7 +28,7 @@ from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.report import write_report
 from grader.lms.results_reader import class_results
-from tests.attacks.test_markdown import active_parts, page_of
+from tests.attacks.pages import active_parts, page_of
 
 LESSON = find_lesson("06_filter_ground")
 STAGE = LESSON.stage
@@ -87,9 +87,9 @@ def pages_of(course, judged):
     console.print_feedback([feedback])
     yield from (("feedback", page.read_text("utf-8")) for page in feedback.pages)
     writer = FeedbackCollector(course, STAGE)
-    told = writer.feedback(*writer.people([HOSTILE]))
-    for lesson in told.lessons:
-        notebook = nbformat.reads(feedback_notebook(told, lesson).decode(), 4)
+    collected = writer.feedback(*writer.people([HOSTILE]))
+    for lesson in collected.lessons:
+        notebook = nbformat.reads(feedback_notebook(collected, lesson).decode(), 4)
         yield "Canvas", page_of(notebook)
     options = Config()
     options.HTMLExporter.template_name = "formgrade"

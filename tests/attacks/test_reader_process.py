@@ -19,7 +19,8 @@ from grader.lms import autograded_copy
 from grader.lms.autograded_copy import graded_cells
 from grader.lms.results import WAITING
 from grader.lms.results_reader import class_results
-from tests.test_faults import InlineExecutor, record_rehearsal
+from tests.executors import InlineExecutor
+from tests.graded_courses import record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
@@ -72,22 +73,20 @@ def make_vulnerable(monkeypatch, module, name, work=loop_forever):
     """Replace a function of the grader with one that calls `work` on the hostile text."""
     right = getattr(module, name)
 
-    def holed(given, *others):
+    def vulnerable(given, *others):
         if HOSTILE in str(given):
             return work()
         return right(given, *others)
 
-    monkeypatch.setattr(module, name, holed)
+    monkeypatch.setattr(module, name, vulnerable)
 
 
 def test_a_file_that_preflight_cannot_finish_gets_a_verdict(small_limits, sandbox, monkeypatch):
     make_vulnerable(monkeypatch, preflight, "_defines")
     verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, 0.0)
-    assert [*verdict.problems] == [
-        message for message in verdict.problems if "more than 1 sec" in message
-    ]
-    assert len(verdict.problems) == 1
+    (problem,) = verdict.problems
+    assert "more than 1 sec" in problem
 
 
 def test_a_fault_of_the_grader_costs_no_points(small_limits, sandbox, monkeypatch):

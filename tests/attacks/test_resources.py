@@ -14,6 +14,7 @@ from grader.sandbox import Limits, launcher
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.inside import syscalls
 from tests.attacks.attack import (
+    HOLD_MEMORY,
     MEBIBYTE,
     SHORT,
     attack,
@@ -97,7 +98,7 @@ EMPTY_FILES = """
 import ctypes, os, time
 def f(folder, hide):
     if hide:
-        ctypes.CDLL(None).prctl(4, 0)  # no longer dumpable: its folders cannot be looked into
+        ctypes.CDLL(None).prctl(4, 0)  # PR_SET_DUMPABLE: nobody can read its folders in /proc
     with __import__("contextlib").suppress(OSError):
         for number in range(300_000):
             os.close(os.open(f"{folder}/{number}", os.O_CREAT | os.O_WRONLY))
@@ -131,21 +132,6 @@ def test_allocating_more_than_the_limit_raises_memory_error():
         pytest.raises(StudentError, match="MemoryError"),
     ):
         student.f()
-
-
-HOLD_MEMORY = """
-import ctypes, mmap, os, threading, time
-def hold(megabytes):
-    block = mmap.mmap(-1, megabytes * 2**20)
-    for page in range(0, len(block), 4096):
-        block[page] = 1
-    return block
-def children(number, megabytes, then=lambda block: time.sleep(60)):
-    for _ in range(number):
-        if os.fork() == 0:
-            then(hold(megabytes))
-            os._exit(0)
-"""
 
 
 @pytest.mark.slow
@@ -188,10 +174,10 @@ children(12, 256)
 )
 def test_total_memory_of_all_processes_is_limited(body):
     source = HOLD_MEMORY + function(body + "\ntime.sleep(600)")
-    begin = time.monotonic()
+    start = time.monotonic()
     sentence = stopped_by(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE)
     assert TOO_MUCH in sentence
-    assert time.monotonic() - begin < PATIENCE
+    assert time.monotonic() - start < PATIENCE
 
 
 def test_memory_allocated_between_two_calls_counts_towards_the_limit():
@@ -430,8 +416,8 @@ def f(calls):
     calls["ioctl for a file system"] = [
         system_call_numbers["ioctl"],
         0,
-        0xC020660B,
-    ]  # FS_IOC_FIEMAP
+        0xC020660B,  # FS_IOC_FIEMAP
+    ]
     calls["futex with requeueing"] = [system_call_numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
         system_call_numbers["clone"],

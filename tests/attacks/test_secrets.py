@@ -99,7 +99,7 @@ def generators_and_numbers_in(value):
 @pytest.mark.slow
 def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
     """No generator or whole number among the arguments reveals a seed."""
-    crossed, drawn_from = [], set()
+    received, drawn_from = [], set()
     make = np.random.default_rng
 
     def record_seed(seed=None):
@@ -109,7 +109,7 @@ def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
     def recording_arguments(function):
         def ask(*arguments, **keywords):
             for value in generators_and_numbers_in([arguments, keywords]):
-                crossed.append(copy.deepcopy(value))  # copied before a draw changes the state
+                received.append(copy.deepcopy(value))  # copied before a draw changes the state
             return function(*arguments, **keywords)
 
         return ask
@@ -130,7 +130,7 @@ def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
     assert any(abs(seed - secret) < 1000 for seed in secrets) or not secrets
     # With a GPU and a digest of the seed, an attacker can try 2**33 seeds per second.
     assert all(seed > 2**100 for seed in secrets)
-    for value in crossed:
+    for value in received:
         found = seed_behind(value) if isinstance(value, np.random.Generator) else int(value)
         assert found < PUBLIC or isinstance(value, np.random.Generator), (lesson.name, value)
         assert found not in secrets and found != SEED

@@ -167,7 +167,7 @@ def hear(number): return call(202, 98, page(number), 1, 1) > 0
 def name(number): return f"/usr/share/{WORD}-{number}"
 def tell(number): os.path.exists(name(number))
 def hear(number):
-    how = ctypes.create_string_buffer(struct.pack("QQQ", 0, 0, 0x20))  # only what is remembered
+    how = ctypes.create_string_buffer(struct.pack("QQQ", 0, 0, 0x20))  # RESOLVE_CACHED
     call(437, 437, -100, name(number).encode(), how, 24)
     return ctypes.get_errno() == errno.ENOENT
 """,

@@ -14,8 +14,7 @@ from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import SHARE_AFTER_FAILURES
 from grader.sandbox.time_budget import Budget
-from tests.attacks.attack import SANDBOX, attack, function, outcome_of, with_attacks
-from tests.attacks.test_resources import HOLD_MEMORY
+from tests.attacks.attack import HOLD_MEMORY, SANDBOX, attack, function, outcome_of, with_attacks
 from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
@@ -87,7 +86,7 @@ while True:
 @pytest.mark.slow
 def test_code_that_delays_the_class_costs_one_time_limit(body):
     """Slow code uses up the time limit once per exercise, not once per check."""
-    begin = time.monotonic()
+    start = time.monotonic()
     reasons = set()
     with attack(IMPORTS + function(body), **QUARTER) as student:
         left = student._budget.seconds
@@ -99,7 +98,7 @@ def test_code_that_delays_the_class_costs_one_time_limit(body):
         # Noticing the death of each process may take another 2 seconds.
         assert left - student._budget.seconds < 2 * LARGEST_COST + 2
     assert len(reasons) <= 2, "the same cause is reported once"
-    assert time.monotonic() - begin < 600
+    assert time.monotonic() - start < 600
 
 
 IGNORE_CHILD_SIGNALS = {
@@ -192,18 +191,18 @@ def test_many_sleeping_calls_share_one_budget():
 @pytest.mark.slow
 def test_many_quick_calls_share_one_budget():
     """Each call is too short to be measured, but the total elapsed time is limited."""
-    begin = time.monotonic()
+    start = time.monotonic()
     with (
         attack("import time\ndef f(): time.sleep(0.02)", wall_seconds=3.0) as student,
         pytest.raises(StudentStopped, match="3 seconds of elapsed time"),
     ):
-        while time.monotonic() - begin < PATIENCE:
+        while time.monotonic() - start < PATIENCE:
             student.f()
 
 
 @pytest.mark.slow
 def test_endless_cells_cost_one_time_limit():
-    begin = time.monotonic()
+    start = time.monotonic()
     source = "def g():\n    while True: pass\nx = g()\ndef f(): return x\n"
     with attack(source, **QUARTER) as student:
         for exercise in "abcd":
@@ -211,8 +210,8 @@ def test_endless_cells_cost_one_time_limit():
             for _ in range(6):
                 with pytest.raises(StudentStopped, match="own cells"):
                     student.f()
-        assert 45 - student._budget.seconds < LARGEST_COST + 1
-    assert time.monotonic() - begin < 600
+        assert QUARTER["total_seconds"] - student._budget.seconds < LARGEST_COST + 1
+    assert time.monotonic() - start < 600
 
 
 @with_attacks(
@@ -340,7 +339,7 @@ def test_a_notebook_of_sleeping_functions_has_one_budget(submit, budgets):
 )
 def test_an_exercise_costs_the_class_no_more_than_promised(exercise, source, submit, budgets):
     """The cost is processor time of the student's code and the judge, not elapsed time."""
-    begin = time.process_time()
+    start = time.process_time()
     verdict = submit({exercise: source}, lesson=lesson_of(exercise), **QUARTER)
     assert verdict.score == 0 and not verdict.starved
     [budget] = budgets
@@ -348,4 +347,4 @@ def test_an_exercise_costs_the_class_no_more_than_promised(exercise, source, sub
     search_seconds = repair.SEARCH_IN_SLOW_CODE.cpu_seconds
     assert QUARTER["total_seconds"] - budget.seconds < 2 * LARGEST_COST + search_seconds
     assert budget.judge_seconds[exercise] < runner.TEST_SECONDS + 1
-    assert time.process_time() - begin < runner.TEST_SECONDS + repair.FULL_SEARCH.cpu_seconds
+    assert time.process_time() - start < runner.TEST_SECONDS + repair.FULL_SEARCH.cpu_seconds

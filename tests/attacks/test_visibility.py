@@ -404,7 +404,7 @@ def f():
 def list_files_of(tmp_path, monkeypatch):
     """Return a function that creates a project and Python and lists the visible files."""
 
-    def put(project, prefix, base, system=()):
+    def list_files(project, prefix, base, system=()):
         project, prefix, base = (tmp_path / place for place in (project, prefix, base))
         for path in (
             "solutions/stage1/01_secret/hidden_tests.py",
@@ -447,7 +447,7 @@ def list_files_of(tmp_path, monkeypatch):
         )
         return {path for path in ran.stdout.split("\n") if path.endswith((".py", "seed"))}, ran
 
-    return put
+    return list_files
 
 
 @with_attacks(

@@ -53,10 +53,10 @@ def cpu_seconds(course, sandbox):
     submissions = find_submissions(course)
     for submission in submissions[: len(all_lessons())]:  # fill caches of scenes and right answers
         judge(course, submission, sandbox)
-    begin = sum(os.times()[:4])
+    start = sum(os.times()[:4])
     for submission in submissions:
         judge(course, submission, sandbox)
-    return (sum(os.times()[:4]) - begin) / len(submissions)
+    return (sum(os.times()[:4]) - start) / len(submissions)
 
 
 def judge(course, submission, sandbox):
@@ -69,7 +69,7 @@ def core_seconds(course, sandbox):
     with LocalCluster(
         n_workers=1, threads_per_worker=processor_count(), dashboard_address=None
     ) as cluster:
-        begin = time.perf_counter()
+        start = time.perf_counter()
         with connect(cluster.scheduler_address, sandbox.name, print) as executor:
             judged = judge_class(
                 course,
@@ -80,7 +80,7 @@ def core_seconds(course, sandbox):
                 1,
                 lambda *news: None,
             )
-        return (time.perf_counter() - begin) * processor_count() / len(judged)
+        return (time.perf_counter() - start) * processor_count() / len(judged)
 
 
 def main():

@@ -144,11 +144,11 @@ def print_ratios(records: dict[str, dict], reference: str) -> None:
         for condition in first["seconds"]:
             times = [record["seconds"][condition] for record in records.values()]
             ratios = [np.nanmedian(np.divide(each[program], each[reference])) for each in times]
-            cells.append(f"{short(min(ratios))} to {short(max(ratios))}")
+            cells.append(f"{with_two_digits(min(ratios))} to {with_two_digits(max(ratios))}")
         print(f"| {program} | {' | '.join(cells)} |")
 
 
-def short(ratio: float) -> str:
+def with_two_digits(ratio: float) -> str:
     """Return a ratio with two digits or more."""
     return f"{ratio:.{max(0, 1 - int(np.floor(np.log10(ratio))))}f}"
 
@@ -160,7 +160,7 @@ def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
     return np.ascontiguousarray(np.vstack([*turns, few]))
 
 
-def scale(scan: np.ndarray) -> dict[str, dict]:
+def measure_scaling(scan: np.ndarray) -> dict[str, dict]:
     """Time each implementation on growing clouds until it is too slow; print and return times."""
     found: dict[str, dict] = {name: {"points": [], "seconds": []} for name in CLUSTERING}
     quick = dict(CLUSTERING)
@@ -180,7 +180,7 @@ def scale(scan: np.ndarray) -> dict[str, dict]:
     return found
 
 
-def draw_bars(name: str, measured: dict, scale: str, axes) -> None:
+def draw_bars(name: str, measured: dict, axis_scale: str, axes) -> None:
     """Draw the shortest time of each implementation on one cloud as bars."""
     least = {
         name: 1000 * np.nanmin(seconds) for name, seconds in measured["seconds"]["quiet"].items()
@@ -193,7 +193,7 @@ def draw_bars(name: str, measured: dict, scale: str, axes) -> None:
     axes.bar_label(
         drawn, [f"{least[implementation]:,.0f} ms" for implementation in ordered], padding=3
     )
-    axes.set(xscale=scale, xlabel="ms", title=name)
+    axes.set(xscale=axis_scale, xlabel="ms", title=name)
     axes.margins(x=0.2)
     axes.spines[["top", "right"]].set_visible(False)
 
@@ -243,7 +243,7 @@ def main() -> None:
     for name, cloud in clouds.items():
         record["detector"][name] = compare(name, DETECTORS, cloud, None)
     print_ratios(record["detector"], "PCL")
-    record["scaling"] = scale(clouds["cloud.txt"])
+    record["scaling"] = measure_scaling(clouds["cloud.txt"])
     path = save_results("clustering", record)
     draw(record, FOLDER / "clustering.png")
     print(f"\nWritten: {path} and {FOLDER / 'clustering.png'}")

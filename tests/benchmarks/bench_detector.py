@@ -69,9 +69,9 @@ class TimedDetector:
 
     def _timed(self, step: str, function: Callable) -> Callable:
         def timed(*arguments):
-            begin = time.perf_counter()
+            start = time.perf_counter()
             answer = function(*arguments)
-            self._seconds[step] = time.perf_counter() - begin
+            self._seconds[step] = time.perf_counter() - start
             return answer
 
         return timed
@@ -79,9 +79,9 @@ class TimedDetector:
     def __call__(self, cloud: np.ndarray) -> dict[str, float]:
         """Run the detector; return the seconds for each step, for the rest, and in total."""
         self._seconds.clear()
-        begin = time.perf_counter()
+        start = time.perf_counter()
         self._detect(cloud)
-        whole = time.perf_counter() - begin
+        whole = time.perf_counter() - start
         rest = whole - sum(self._seconds.values())
         return self._seconds | {"the rest": rest, "whole": whole}
 

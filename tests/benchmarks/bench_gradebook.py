@@ -49,9 +49,9 @@ def submit(course, verdicts, students):
 
 
 def seconds(function, *arguments):
-    begin = time.perf_counter()
+    start = time.perf_counter()
     function(*arguments)
-    return time.perf_counter() - begin
+    return time.perf_counter() - start
 
 
 def measure(name, course, verdicts, students, step):

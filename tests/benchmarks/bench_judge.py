@@ -129,7 +129,7 @@ def time_judge(lessons, folder):
         if done == total // 4:
             memory.append(megabytes())
 
-    begin = time.perf_counter()
+    start = time.perf_counter()
     processes, count = EXECUTORS["processes"], os.cpu_count()
     judged = judge_class(course, (), SEED, sandbox, processes, count, progress)
     memory.append(megabytes())
@@ -138,9 +138,9 @@ def time_judge(lessons, folder):
     enter_verdicts(course, judged, stages_of(lessons), lambda *news: None)
     end = time.perf_counter()
     return Times(
-        min(min(times) for times in seen.values()) - begin,
+        min(min(times) for times in seen.values()) - start,
         {lesson.name: seconds_between_verdicts(times) for lesson, times in seen.items()},
-        middle - begin,
+        middle - start,
         end - middle,
         len(judged),
         tuple(memory),
@@ -201,11 +201,11 @@ def command_line(root, *words):
     """Run a command in a course, as from a shell, and return the seconds that it takes."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # nbgrader runs alembic
     environment = {**os.environ, "PATH": path, "PYTHONPATH": str(root)}
-    begin = time.perf_counter()
+    start = time.perf_counter()
     done = subprocess.run(
         [sys.executable, "-m", *words], cwd=root, env=environment, capture_output=True, text=True
     )
-    seconds = time.perf_counter() - begin
+    seconds = time.perf_counter() - start
     assert done.returncode == 0, done.stdout + done.stderr
     return seconds
 
@@ -263,11 +263,13 @@ def race(lessons):
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as place:
             place = Path(place).resolve()
-            one = time_nbgrader(lessons, place / "one", 1)
+            class_of_one = time_nbgrader(lessons, place / "one", 1)
             ours = time_grade(lessons, place / "ours")
-            two = time_nbgrader(lessons, place / "two", 2)
-        found.append(((two - one) / len(lessons), ours / (STUDENTS * len(lessons))))
-        starts.append(2 * one - two)
+            class_of_two = time_nbgrader(lessons, place / "two", 2)
+        found.append(
+            ((class_of_two - class_of_one) / len(lessons), ours / (STUDENTS * len(lessons)))
+        )
+        starts.append(2 * class_of_one - class_of_two)
     return np.array(found), np.array(starts)
 
 

@@ -34,10 +34,11 @@ def seconds(call: Callable[[], object], runs: int = 7) -> float:
 
 
 def street_of(obstacles: int) -> Callable[[], Frame]:
-    """Return a function that creates the least crowded random street with this many obstacles."""
+    """Return a function that creates the easiest random street with this many obstacles or more."""
     for percent in range(101):
-        if len(random_street(0, percent / 100).boxes) >= obstacles:
-            return partial(random_street, 0, percent / 100)
+        difficulty = percent / 100
+        if len(random_street(0, difficulty).boxes) >= obstacles:
+            return partial(random_street, 0, difficulty)
     raise RuntimeError(f"No street shows {obstacles} obstacles.")
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from grader.course.lessons import load_reference
 from utils import load_cloud
 
-ROUNDS = 50  # of RANSAC
+RANSAC_ITERATIONS = 50  # of RANSAC
 POINT = 24  # bytes of x, y, z
 PLANE = 8  # three products, three sums, the absolute value and the comparison
 
@@ -25,14 +25,14 @@ def counts(cloud: np.ndarray) -> dict[str, tuple[int, int]]:
     region = steps["crop_region"](valid, (-15, -7, -3), (35, 9, 1))
     points = steps["remove_ego_returns"](region, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
     low = points[points[:, 2] < -1.2]
-    _, near = steps["ransac_plane"](low, ROUNDS, 0.2, 0)
+    _, near = steps["ransac_plane"](low, RANSAC_ITERATIONS, 0.2, 0)
     road = steps["fit_plane"](low[near])
     high = points[steps["point_plane_distance"](points, road) > 0.3]
     voxels = steps["voxel_grid"](high, 0.2)
     n, p, q, k, h, v = (len(rows) for rows in (cloud, points, low, low[near], high, voxels))
     return {
         "useful points": (n * 15 + p * 3, (n + p) * POINT),
-        "ground by RANSAC": (q * PLANE * ROUNDS, q * POINT * ROUNDS),
+        "ground by RANSAC": (q * PLANE * RANSAC_ITERATIONS, q * POINT * RANSAC_ITERATIONS),
         # Two passes over all points: means, and nine products of deviations.
         "plane through its inliers": (2 * p * PLANE + k * (3 + 9 * 4), 2 * p * POINT),
         "points above the ground": (p * PLANE + h * 3, (p + h) * POINT),

@@ -32,7 +32,7 @@ PCL_SOURCE = Path(__file__).with_name("pcl_peer.cpp")
 PCL_LIBRARIES = ("segmentation", "filters", "sample_consensus", "search", "kdtree", "common")
 
 if os.environ.get("PEERS"):
-    # Last, so that the project's own libraries take precedence.
+    # At the end of the path, so that the project's own libraries take precedence.
     sys.path.append(os.environ["PEERS"])
 
 

@@ -67,49 +67,49 @@ def judge_under_load(load, course, sandbox):
         judged_submissions.extend([news] * isinstance(news, Submission))
 
     with busy(load * processor_count()):
-        begin = time.perf_counter()
+        start = time.perf_counter()
         judged = judge_class(
             course, (), SEED, sandbox, EXECUTORS["processes"], processor_count(), progress
         )
         again = [
             submission for submission, times in Counter(judged_submissions).items() if times > 1
         ]
-        return judged, again, time.perf_counter() - begin
+        return judged, again, time.perf_counter() - start
 
 
 def main(count=NOTEBOOKS):
-    """Measure the load of judging in a temporary course, and return the exit status."""
+    """Judge a class in a temporary course under each load, and return the exit status."""
     with tempfile.TemporaryDirectory() as folder:
         return measure_loads(Course(Path(folder).resolve()), count)
 
 
 def measure_loads(course, count):
     """Judge under each load, print the times and lost points, and return the exit status."""
-    sandbox, lost, twice = choose_sandbox(), [], []
+    sandbox, lost, judged_twice = choose_sandbox(), [], []
     submit(course, count)
     with EXECUTORS["processes"](processor_count()) as executor:
         Rehearsals(course, all_lessons()[:count], SEED, sandbox).finish(executor)
     print("load | right | points lost | judged again | slowest (s) | all (s)", flush=True)
     for load in LOADS:
         judged, again, seconds = judge_under_load(load, course, sandbox)
-        short = [
+        incomplete = [
             (submission, verdict)
             for submission, verdict in judged
             if verdict.score < verdict.max_score
         ]
-        points = sum(verdict.max_score - verdict.score for _, verdict in short)
+        points = sum(verdict.max_score - verdict.score for _, verdict in incomplete)
         slowest = max(verdict.seconds for _, verdict in judged)
         print(
-            f"{load:4} | {len(judged) - len(short):5} | {points:11.2f} | {len(again):12} | "
+            f"{load:4} | {len(judged) - len(incomplete):5} | {points:11.2f} | {len(again):12} | "
             f"{slowest:11.1f} | {seconds:7.1f}",
             flush=True,
         )
-        lost += [(load, submission, verdict) for submission, verdict in short]
-        twice += [
+        lost += [(load, submission, verdict) for submission, verdict in incomplete]
+        judged_twice += [
             f"load {load}, {submission.student}, {submission.lesson.name}: judged again"
             for submission in again
         ]
-    print(*twice, sep="\n", end="\n" * bool(twice))
+    print(*judged_twice, sep="\n", end="\n" * bool(judged_twice))
     for load, submission, verdict in lost:
         for test in (
             test for exercise in verdict.exercises for test in exercise.tests if not test.passed

@@ -104,9 +104,9 @@ def _take_turn() -> tuple[float, float, float]:
 
 
 def _time_call() -> tuple[float, float]:
-    begin, processor = time.perf_counter(), time.process_time()
+    start, processor = time.perf_counter(), time.process_time()
     _work()
-    return time.perf_counter() - begin, time.process_time() - processor
+    return time.perf_counter() - start, time.process_time() - processor
 
 
 @contextlib.contextmanager

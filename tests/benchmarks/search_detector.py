@@ -6,14 +6,14 @@ the recall of pedestrians and cyclists in the whole region. Without the recall, 
 choose a minimum cluster size that excludes all pedestrians.
 
 The best five settings then run on streets that were held back from the search, because the best
-of many settings is partly lucky on the streets of the search. Today's parameters also run there,
-as does FINER, with voxels of half the side and at least 30 points in a cluster. The centroid of a
-voxel is up to half a voxel inside the surface, which matters for a person but hardly for a car.
-The result is the mean difference from today's score on these streets, with a jackknife standard
-error.
+of many settings is partly lucky on the streets of the search. The current parameters also run
+there, as does FINER_SETTING, with voxels of half the side and at least 30 points in a cluster. The
+centroid of a voxel is up to half a voxel inside the surface, which matters for a person but hardly
+for a car. The result is the mean difference from the current score on these streets, with a
+jackknife standard error.
 
-Lesson 12 keeps today's parameters. Its detector also drives a car whose scanner produces a third of
-the returns. With a minimum of 30 points, that car would detect a child too late.
+Lesson 12 keeps the current parameters. Its detector also drives a car whose scanner produces a
+third of the returns. With a minimum of 30 points, that car would detect a child too late.
 
     python tests/benchmarks/search_detector.py
 """
@@ -62,9 +62,8 @@ class Setting:
 
 
 CURRENT_SETTING = Setting()
-FINER_SETTING = Setting(
-    least=30, voxel=0.1
-)  # with these voxels, an object keeps three times as many points
+# With these voxels, an object keeps three times as many points.
+FINER_SETTING = Setting(least=30, voxel=0.1)
 # Values are drawn uniformly on a logarithmic scale between these limits.
 RANGES = {
     "threshold": (0.25, 1.0),
@@ -87,8 +86,8 @@ def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
     def changed(steps: dict) -> dict:
         search, fit, thin = steps["ransac_plane"], steps["fit_plane"], steps["voxel_grid"]
         return {
-            "ransac_plane": lambda low, rounds, _, seed: search(
-                low, rounds, setting.tolerance, seed
+            "ransac_plane": lambda low, max_iterations, _, seed: search(
+                low, max_iterations, setting.tolerance, seed
             ),
             # The detector's limit is fixed at 0.3 m. Scaling the plane scales the distances, which
             # has the same effect as changing the limit to `near_road`.
@@ -112,8 +111,8 @@ def counts(boxes: np.ndarray, frame: Frame) -> list[int]:
     people = corners_of([box for box in counted(frame, DETECTION_REGION) if box.kind in PEOPLE])
     overlaps = plane_iou(near, truth)
     hits = [np.count_nonzero(match(overlaps, least) >= 0) for least in OVERLAPS]
-    met = np.count_nonzero(match(plane_iou(boxes, people), OVERLAPS[0]) >= 0)
-    return [*hits, len(near) + len(truth), met, len(people)]
+    detected_people = np.count_nonzero(match(plane_iou(boxes, people), OVERLAPS[0]) >= 0)
+    return [*hits, len(near) + len(truth), detected_people, len(people)]
 
 
 def f1(sums: np.ndarray) -> float:
@@ -141,9 +140,9 @@ def milliseconds(setting: Setting, frames: Sequence[Frame]) -> float:
     """Return the median processor time per frame in milliseconds."""
     detect, found = detector(setting), []
     for frame in 3 * list(frames[:TIMED]):
-        begin = time.process_time()
+        start = time.process_time()
         detect(frame.cloud)
-        found.append(1000 * (time.process_time() - begin))
+        found.append(1000 * (time.process_time() - start))
     return float(np.median(found))
 
 

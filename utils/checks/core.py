@@ -252,7 +252,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
         summary = replace(summary, notes=(*summary.notes, _make_slowness_note(exercise, seconds)))
     table.finish(summary)
     stopped = any(isinstance(outcome.failure, CallStopped) for outcome in failed)
-    record_result(exercise, written, not (summary.first or has_notes))
+    record_result(exercise, written, not summary.first, has_notes)
     report_check(exercise, not summary.first, stopped)
     if summary.first:
         raise ChecksFailed(summary.in_one_line)

@@ -1,4 +1,7 @@
-"""Visible checks of lesson 11: `principal_axes` and `get_oriented_boxes`."""
+"""Visible checks of lesson 11: `principal_axes`, `smallest_rectangle_yaw` and `get_oriented_boxes`.
+
+`smallest_rectangle_yaw` gives no points, so it can be skipped.
+"""
 
 import contextlib
 import functools
@@ -12,6 +15,7 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
+    assert_untouched,
     brief_text,
     frozen,
     precondition,
@@ -529,6 +533,194 @@ declare_mistakes(
     cases=_BLOCKS,
     right=_right_axes,
     is_same=_same_axes,
+)
+
+
+# ---- smallest_rectangle_yaw ----
+
+_DEGREES = frozen(np.arange(90))
+# Points of a car of 4 x 1.8 m from which the scanner sees two sides and a mirror. Most points are
+# on the long side, so the first principal axis leans.
+_SIDES_AND_MIRROR = frozen(
+    np.vstack(
+        [
+            np.column_stack([np.linspace(0, 4, 11), np.zeros(11), np.linspace(0.2, 1.2, 11)]),
+            np.column_stack([np.zeros(4), np.linspace(0.3, 1.8, 4), np.linspace(1.2, 0.3, 4)]),
+            [[2.8, 1.3, 0.9]],
+        ]
+    )
+)
+
+
+def _areas(points: np.ndarray, degrees: object = _DEGREES) -> np.ndarray:
+    """Return the area (m²) of the rectangle around points, seen from above, at each angle."""
+    places = points[:, 0] + 1j * points[:, 1]
+    turned = np.exp(-1j * np.radians(degrees))[..., None] * places
+    return np.ptp(turned.real, axis=-1) * np.ptp(turned.imag, axis=-1)
+
+
+def _as_yaw(answer: object) -> float:
+    """Return an answer as a single finite number."""
+    yaw = as_array(answer, description="an angle in radians")
+    if yaw.shape != ():
+        note = ""
+        if yaw.shape == (90,):
+            note = " These are ninety numbers. Select one of the ninety angles and return it."
+        raise WrongForm(
+            f"The answer must be a single angle.{note}",
+            yours=f"shape {yaw.shape}",
+            expected="one angle in radians",
+        )
+    if not np.isfinite(yaw):
+        raise WrongForm("The angle is not finite.", yours=f"{yaw}", expected="an angle in radians")
+    return float(yaw)
+
+
+def _assert_smallest_area(answer: object, points: np.ndarray, input_text: str) -> None:
+    """Assert that the rectangle at the returned angle is as small as at the best of 90 angles."""
+    yaw, areas = _as_yaw(answer), _areas(points)
+    best, area = areas.argmin(), float(_areas(points, np.degrees(yaw)))
+    if area > areas[best] * (1 + 1e-4):
+        raise CheckFailed(
+            "The rectangle at this angle is not the smallest.",
+            input_text=input_text,
+            yours=f"{yaw:.4f} rad, which is {np.degrees(yaw):.1f}°, with {area:.2f} m²",
+            expected=f"{np.radians(best):.4f} rad, which is {best}°, with {areas[best]:.2f} m²",
+        )
+
+
+@visible_check(
+    "smallest_rectangle_yaw",
+    title="Returns the yaw of a rectangle in radians",
+    why="The box is turned by this yaw. At a wrong yaw, the box is larger than the car.",
+    hint="Use the index of the smallest area to select one of the angles. The index itself is not "
+    "an angle in radians.",
+)
+def finds_the_yaw_of_a_rectangle(smallest_rectangle_yaw: Callable) -> None:
+    for degrees, place in ((30, [0, 0, 0]), (72, [9, -4, -1]), (0, [5, 3, 0]), (89, [-6, 8, 1])):
+        points = _turn(_grid(4.0, 2.0, 1.5, steps=2), degrees) + place
+        _assert_smallest_area(
+            smallest_rectangle_yaw(points.copy()),
+            points,
+            f"the corners of a block of 4 x 2 m, turned by {degrees}°",
+        )
+
+
+@once_per_run
+def _require_yaw_of_a_rectangle(smallest_rectangle_yaw: Callable) -> None:
+    with precondition("the function returns the yaw of a rectangle"):
+        finds_the_yaw_of_a_rectangle(smallest_rectangle_yaw)
+
+
+@visible_check(
+    "smallest_rectangle_yaw",
+    title="Finds the smallest area around parts of a vehicle",
+    why="The scanner sees only some sides of a vehicle, so its points do not form a rectangle.",
+    hint="Compare the areas that floor_area_at returns for all ninety angles.",
+)
+def finds_the_smallest_area(smallest_rectangle_yaw: Callable) -> None:
+    _require_yaw_of_a_rectangle(smallest_rectangle_yaw)
+    for degrees in (20, 65):
+        points = _turn(_SIDES_AND_MIRROR, degrees) + [7.0, -3.0, -1.2]
+        _assert_smallest_area(
+            smallest_rectangle_yaw(points.copy()),
+            points,
+            f"two sides of a car of 4 x 1.8 m and its mirror, turned by {degrees}°",
+        )
+    for name, points, _ in _vehicles():
+        _assert_smallest_area(smallest_rectangle_yaw(points.copy()), points, name)
+
+
+@visible_check(
+    "smallest_rectangle_yaw",
+    title="Ignores intensity in a fourth column",
+    why="The lesson calls the function with rows of the cloud, which contain the intensity.",
+    hint="Pass the points on to floor_area_at as they are, or use only points[:, :2].",
+)
+def takes_a_fourth_column(smallest_rectangle_yaw: Callable) -> None:
+    _require_yaw_of_a_rectangle(smallest_rectangle_yaw)
+    points = _turn(_SIDES_AND_MIRROR, 40)
+    bright = np.column_stack([points, np.linspace(0, 90, len(points))])
+    _assert_smallest_area(
+        smallest_rectangle_yaw(bright), points, "sixteen points with an intensity each"
+    )
+
+
+@visible_check(
+    "smallest_rectangle_yaw",
+    title="Works on a single point and on points on a line",
+    why="A thin post may return a single point. Any angle is right for it.",
+    hint="Use the same code for a single point. All areas are 0, and argmin() returns an index.",
+)
+def finds_a_yaw_for_few_points(smallest_rectangle_yaw: Callable) -> None:
+    _require_yaw_of_a_rectangle(smallest_rectangle_yaw)
+    line = np.outer(np.linspace(1, 3, 5), [1.0, 0.0, 0.2])
+    for points in (line, line[:1]):
+        _as_yaw(smallest_rectangle_yaw(points.copy()))
+
+
+@visible_check(
+    "smallest_rectangle_yaw",
+    title="Does not change its input",
+    why="The next step puts a box around the same points.",
+    hint="If you centre the points, write points - mean, which creates a new array. points -= mean "
+    "changes the input.",
+)
+def leaves_the_points(smallest_rectangle_yaw: Callable) -> None:
+    assert_untouched(smallest_rectangle_yaw, _turn(_SIDES_AND_MIRROR, 40) + [7.0, -3.0, -1.2])
+
+
+def _first_axis_yaw(points: np.ndarray) -> float:
+    """Return the yaw of the direction in which points are spread most, seen from above."""
+    (xx, xy), (_, yy) = np.cov(points[:, 0], points[:, 1])
+    return 0.5 * np.arctan2(2 * xy, xx - yy)
+
+
+def _same_yaw(answer: object, predicted: float) -> bool:
+    """Return whether two angles in radians are equal up to quarter turns."""
+    try:
+        yours = _as_yaw(answer)
+    except CheckFailed:
+        return False
+    return abs((yours - predicted + np.pi / 4) % (np.pi / 2) - np.pi / 4) < 1e-4
+
+
+declare_mistakes(
+    "smallest_rectangle_yaw",
+    Mistake(
+        "The function returns the index of the smallest area, or its angle in degrees. It should "
+        "return the angle in radians.",
+        lambda right, points: np.degrees(right),
+        "Use the index to select one of the angles, which are in radians.",
+    ),
+    Mistake(
+        "The function returns the angle of the largest area.",
+        lambda right, points: np.radians(_areas(points).argmax()),
+        "Use argmin(), which finds the smallest area. argmax() finds the largest.",
+    ),
+    Mistake(
+        "The function returns the smallest area instead of its angle.",
+        lambda right, points: _areas(points).min(),
+        "Use argmin(), which returns the index of the smallest area. min() returns the area "
+        "itself.",
+    ),
+    Mistake(
+        "The function returns minus the yaw, which is the angle that turns the rectangle back.",
+        lambda right, points: -right,
+        "Return the angle from the x axis to a side of the rectangle, anticlockwise as seen from "
+        "above.",
+    ),
+    Mistake(
+        "The function returns the yaw of the first principal axis.",
+        lambda right, points: _first_axis_yaw(points),
+        "Compare the areas of the rectangles at all ninety angles instead.",
+    ),
+    cases=tuple(
+        frozen((_turn(_SIDES_AND_MIRROR * [1, width, 1], degrees) + [7.0, -3.0, -1.2],))
+        for width, degrees in ((1.0, 17), (0.9, 62), (1.1, 33), (0.8, 81))
+    ),
+    right=lambda points: np.radians(_areas(points).argmin()),
+    is_same=_same_yaw,
 )
 
 

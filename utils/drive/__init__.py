@@ -7,7 +7,7 @@ The modules, from the ground up: `rules` contains the constants; `actors`, `stre
 build the world. `steps`, `motion` and `planner` are the car's built-in parts, and `clock`
 measures the delay of the detector. `loop` runs a drive. `ground_truth`, `explanations` and
 `metrics` evaluate it; `film`, `timeline` and `trip` show it. `standards` contains the results of
-other detectors.
+other detectors. `person` puts a person in the road, whom students drag in lesson 09.
 """
 
 from utils.drive.clock import on_time

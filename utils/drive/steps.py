@@ -52,7 +52,7 @@ def chain(
         ground or _remove_road,
         cluster or _label_touching_points,
     )
-    keep, boxes = keep or _keep_large_clusters, boxes or _fit_upright_boxes
+    keep, boxes = keep or _keep_large_clusters, boxes or fit_upright_boxes
 
     def detect(cloud: np.ndarray) -> np.ndarray:
         xyz = cloud[:, :3]
@@ -131,7 +131,7 @@ def _keep_large_clusters(labels: np.ndarray) -> np.ndarray:
     return labels * (np.bincount(labels) >= 10)[labels]
 
 
-def _fit_upright_boxes(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
+def fit_upright_boxes(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return axis-aligned boxes around the clusters, computed by a library."""
     from scipy.spatial import cKDTree
 

@@ -225,7 +225,8 @@ def edits_of_node(
             yield 1, *source.span(node), word
     elif isinstance(node, ast.Constant):
         yield from _constant_edits(source, node)
-        if isinstance(parent, (ast.Call, ast.Compare, ast.keyword)):
+        is_axis = isinstance(parent, ast.keyword) and parent.arg == "axis"
+        if isinstance(parent, (ast.Call, ast.Compare, ast.keyword)) and not is_axis:
             yield from _decimal_point_edits(source, node)
     elif isinstance(node, ast.Call):
         yield from _call_edits(source, node, names)

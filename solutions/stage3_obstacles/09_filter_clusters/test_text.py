@@ -8,6 +8,7 @@ from utils import check, load_cloud
 from utils.checks.core import notes_of, run_check
 from utils.datasets import DATA
 from utils.drive import STREETS, chain, drive_street, on_time
+from utils.drive.person import BRAKING_RANGE, look_at_person, street_with_person
 from utils.scenes import random_street
 from utils.simulator import vlp16
 from utils.simulator.streets import EGO_LANE
@@ -228,3 +229,43 @@ def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson_run, minimum, 
         assert "for the first time 1.0 s before the collision" in str(trip)
     else:
         assert trip.report.closest_distance == pytest.approx(2, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("place", "points", "has_box", "words"),
+    [
+        ((11.0, -0.6), 25, False, "At the start, 25 points are left"),
+        ((11.0, -0.4), 35, True, "At y = -0.4, only 20 cm farther to the left, there are 35"),
+        ((11.0, -3.0), 4, False, "at (11, -3), only 4 points are left"),
+    ],
+)
+def test_a_person_has_the_stated_number_of_points(lesson_run, place, points, has_box, words):
+    seen = look_at_person(*place, lambda labels: lesson_run.filter_clusters(labels, 30))
+    assert (seen.points, seen.has_box, seen.brakes) == (points, has_box, has_box)
+    text = find_lesson(NAME).source.read_text("utf-8")
+    assert "place = [11.0, -0.6]" in text and words in text
+
+
+@pytest.mark.proof
+def test_a_person_has_a_box_in_the_stated_places(lesson_run):
+    """Look at places in our lane, half a metre apart."""
+    aside = np.arange(-1.0, 1.1, 0.5)
+    points = {
+        x: [look_at_person(x, y, lambda labels: labels).points for y in aside.tolist()]
+        for x in np.arange(3.0, 20.1, 0.5).tolist()
+    }
+    kept = {x: np.mean(np.array(sizes) >= 30) for x, sizes in points.items()}
+    assert np.mean([kept[x] for x in kept if x <= 6]) > 0.95
+    assert 0.3 < np.mean([kept[x] for x in kept if 7 <= x <= 13.5]) < 0.5
+    assert np.mean([kept[x] for x in kept if x >= 14]) < 0.05
+    near = np.concatenate([sizes for x, sizes in points.items() if x < BRAKING_RANGE])
+    assert (near.size, near.min()) == (110, 20)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("minimum", "words"), [(20, "9 m ahead"), (30, "at 19 km/h")])
+def test_the_car_meets_the_person_as_stated(lesson_run, minimum, words):
+    detect = chain(keep=lambda labels: lesson_run.filter_clusters(labels, minimum))
+    trip = drive_street(street_with_person(11.0, -0.6), detect, seconds=10, clock=on_time)
+    assert words in str(trip)
+    assert bool(trip.report.collision) == (minimum == 30) == ("3 m ahead" in str(trip))

@@ -6,7 +6,7 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     given: [turned, floor_area_at, closeness_at]
-#     lent: [headings_of_stream, middle_errors]
+#     lent: [smallest_rectangle_yaw, headings_of_stream, middle_errors]
 # ---
 
 # %% [markdown]
@@ -21,7 +21,7 @@
 # - put an upright, rotated box around any cluster, with every point inside,
 # - choose between principal axes, the smallest rectangle and the closest one, and explain your choice.
 #
-# **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time: 130), in three sittings of 40, 30 and 60 minutes.
+# **You write** `principal_axes` (points), a short function (checked, not graded) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time), in three sittings of 40, 35 and 60 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -459,16 +459,60 @@ plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)
 #
 # Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from the true angle by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
 #
-# The curve of car 10 has a wide minimum. The diamond is not at the square, because much of the car is hidden. What about all nine vehicles?
+# The curve of car 10 has a wide minimum. The diamond is not at the square, because much of the car is hidden.
 #
-# `floor_area_at` returns ninety areas for ninety angles. How do you find the angle of the smallest area? Write the expression down before you read the next cell. You need it in Exercise 2.
+# What about all nine vehicles? Write a function that finds the yaw of the smallest rectangle around any points. The next cell defines the ninety angles that it tries.
 
 # %%
-angles = np.radians(np.arange(90))
-rectangle_yaws = {}
-for label in vehicles:
-    areas = floor_area_at(cloud[labels == label], angles)
-    rectangle_yaws[label] = angles[areas.argmin()]
+angles = np.radians(np.arange(90))  # 0°, 1°, 2° and so on up to 89°, in radians
+print(f"the first five of {len(angles)} areas (m²):", floor_area_at(car, angles)[:5].round(2))
+
+# %% nbgrader={"grade": false, "grade_id": "smallest_rectangle_yaw", "locked": false, "schema_version": 3, "solution": true, "task": false}
+def smallest_rectangle_yaw(points):
+    """Find the yaw at which the rectangle around points has the smallest area.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3) or (n, 4)
+        x, y, z in metres, seen from above; at least one point.
+
+    Returns
+    -------
+    float
+        Angle in radians. Any angle with the same area is right, such as a quarter turn more.
+    """
+    # 1. Compute the area at each of the ninety angles.
+    # 2. Find the index of the smallest area, and return the angle with this index.
+    # roughly 2 lines
+    ### BEGIN SOLUTION
+    areas = floor_area_at(points, angles)
+    return angles[areas.argmin()]
+    ### END SOLUTION
+
+# %% [markdown]
+# <details><summary>A hint</summary>
+#
+# `floor_area_at(points, angles)` returns all ninety areas, and `.argmin()` of these areas is the index of the smallest. An index from 0 to 89 is not an angle in radians, so use it to select one of the `angles`.
+# </details>
+#
+# **Look before you check.** The first call gets the corners of a rectangle that is turned by 30°, so your yaw should be 30°, or a quarter turn more or less. The picture shows the turning car. Compare the angle and the area with those that you found by hand.
+
+# %%
+corners = np.array([[2, 1, 0], [-2, 1, 0], [-2, -1, 0], [2, -1, 0]])
+yaw_of_corners = smallest_rectangle_yaw(turned(corners, np.radians(30)))
+print(f"four corners, turned by 30°: {np.degrees(yaw_of_corners):.1f}°")
+yaw_of_car = smallest_rectangle_yaw(car)
+draw_rectangles(car, [(yaw_of_car, "your rectangle")], around_car,
+                f"{np.degrees(yaw_of_car):.0f}°: {floor_area_at(car, yaw_of_car):.2f} m²")
+
+# %%
+check(smallest_rectangle_yaw)
+
+# %% [markdown]
+# Now use it for all nine vehicles:
+
+# %%
+rectangle_yaws = {label: smallest_rectangle_yaw(cloud[labels == label]) for label in vehicles}
 show_table(["error", "first axis", "smallest rectangle"],
            [(f"{kinds[label]} {label}", f"{degrees_off(axis_yaws[label], label):.1f}°",
              f"{degrees_off(rectangle_yaws[label], label):.1f}°") for label in vehicles])
@@ -594,7 +638,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and the yaw of the smallest rectangle is `yaw = angles[np.argmin(floor_area_at(points, angles))]`. For the first axis, compute `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
+# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and the yaw of the smallest rectangle is `yaw = angles[np.argmin(floor_area_at(points, angles))]`, as in `smallest_rectangle_yaw`. For the first axis, compute `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -722,7 +766,7 @@ def middle_errors():
     for label in present:
         points = cloud[labels == label, :3]
         first = principal_axes(points * [1, 1, 0])[:, 0]
-        yaws = (np.arctan2(first[1], first[0]), angles[floor_area_at(points, angles).argmin()],
+        yaws = (np.arctan2(first[1], first[0]), smallest_rectangle_yaw(points),
                 angles[closeness_at(points, angles).argmax()])
         errors.setdefault(kinds[label], []).append([degrees_off(yaw, label) for yaw in yaws])
     return {kind: [len(rows), *np.median(rows, axis=0)] for kind, rows in errors.items()}
@@ -776,7 +820,7 @@ def headings_of_stream():
         first = principal_axes(points * [1, 1, 0])[:, 0]
         times.append(frame.time)
         found["first axis"].append(np.arctan2(first[1], first[0]))
-        found["smallest rectangle"].append(angles[floor_area_at(points, angles).argmin()])
+        found["smallest rectangle"].append(smallest_rectangle_yaw(points))
         found["truth"].append(box.yaw)
     return np.array(times), {name: np.array(values) for name, values in found.items()}
 

@@ -17,7 +17,7 @@ from utils.drive import askew, chain, drive_street, on_time
 from utils.scenes import cyclist, random_street
 
 NAME = "11_pca_boxes"
-LESSON = load_reference(NAME, "points_of_l", "lean_of_l")
+LESSON = load_reference(NAME, "points_of_l", "lean_of_l", "smallest_rectangle_yaw")
 ANGLES = np.radians(np.arange(90))
 VEHICLES = (1, 2, 3, 4, 5, 6, 7, 9, 10)
 
@@ -116,6 +116,15 @@ def test_first_axes_lean_and_smallest_rectangles_do_not(street):
     assert 13 < np.median(list(lean.values())) < 19
     assert {label for label, degrees in left.items() if degrees > 1} == {7, 10}
     assert max(left.values()) < 8
+
+
+def test_the_function_of_the_second_sitting_gives_the_stated_yaws(street):
+    corners = np.array([[2, 1, 0], [-2, 1, 0], [-2, -1, 0], [2, -1, 0]])
+    yaw = LESSON.smallest_rectangle_yaw(LESSON.turned(corners, np.radians(30)))
+    assert np.degrees(yaw) == pytest.approx(30)
+    for label in VEHICLES:
+        points = points_of(street, label)
+        assert LESSON.smallest_rectangle_yaw(points) == rectangle_yaw(points)
 
 
 def test_the_closest_rectangle_is_also_right_for_the_lorry(street):

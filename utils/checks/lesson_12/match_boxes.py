@@ -85,8 +85,10 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     if yours.dtype.kind == "b":
         message = " Your answer is a mask of True and False."
     elif yours.shape == (len(current), len(previous)):
-        message = " This has the shape of a table of all pairs: return the index of one column "
-        "for each row."
+        message = (
+            " This has the shape of a table of all pairs. Return the index of one column for each "
+            "row."
+        )
     elif yours.shape == (len(previous),):
         message = f" Your answer has {len(previous)}, one for each previous box."
     elif yours.ndim == 2 and yours.shape[1] == 2:

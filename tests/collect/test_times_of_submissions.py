@@ -10,7 +10,7 @@ from grader.classroom.collect import record, storage
 from grader.course.paths import Course
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 from tests.archives import EIGHT, SEVEN, SIX, canvas_files, notebook
-from tests.test_collect import (
+from tests.collecting import (
     MONDAY,
     STAGE,
     TUESDAY,
@@ -21,8 +21,6 @@ from tests.test_collect import (
     resubmission,
     states,
 )
-
-pytestmark = pytest.mark.usefixtures("reading_without_fork")
 
 EARLY, LATE = "2026-10-10 10:00:00 UTC", "2026-10-20 10:00:00 UTC"
 
@@ -91,9 +89,8 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
         == outcome.undecided["ada"]
         == f"the submission time of {EIGHT}.ipynb is unknown"
     )
-    collect(
-        course, lesson_archive(course, EIGHT), times=write_table(course, EARLY)
-    )  # the same file again
+    # The same file is collected again.
+    collect(course, lesson_archive(course, EIGHT), times=write_table(course, EARLY))
     assert time_of(course) == utc(LATE)
 
 
