@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
-from utils.checks.tips import unwritten_function
 from utils.replays.clustering.faults import find_first_fault
 from utils.replays.clustering.observer import (
     LabelObserver,
@@ -41,10 +40,7 @@ def replay_clustering(euclidean_clustering: Callable) -> Replay:
     wrong = find_first_fault(euclidean_clustering, steps, answer, ending)
     count = max(MAX_STEPS, wrong.step + 1 if wrong else 0)
     shown = [ReplayStep(step.description, step.draw) for step in steps[:count]]
-    remark = _remark(ending, answer, steps, wrong)
-    if unwritten_function(ending.error, euclidean_clustering):
-        remark += f" {describe_ending(ending, euclidean_clustering)}"
-    return Replay(shown, wrong, remark)
+    return Replay(shown, wrong, _remark(ending, answer, steps, wrong))
 
 
 def _remark(

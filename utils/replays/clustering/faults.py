@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.tips import unwritten_function
 from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
 from utils.replays.clustering.steps import ClusteringStep, format_label, list_points
 from utils.replays.endings import describe_ending
@@ -21,8 +20,6 @@ def find_first_fault(
     last = len(steps) - 1
     if ending.stopped:
         return _find_second_visit(steps)
-    if unwritten_function(ending.error, function):
-        return None
     if ending.error:
         return Fault(last, describe_ending(ending, function))
     if answer is None:
