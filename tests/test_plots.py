@@ -481,6 +481,13 @@ def test_the_line_and_its_band_agree_with_the_equation():
     assert "within 0.5 m" in legend(axes)
 
 
+def test_wrong_points_are_drawn_above_the_sensor():
+    lost = np.zeros((3, 4))
+    axes = plots.difference(lost, [True] * 3, [False] * 3)
+    layers = {line.get_marker(): line.get_zorder() for line in axes.lines if len(line.get_xdata())}
+    assert layers["^"] > layers[">"]
+
+
 def test_a_plane_is_cut_through_the_sensor():
     axes = plots.plane_model(BOX, (0.1, 0.2, 1, 1.7), None, 0.1)
     across, up = next(line for line in axes.lines if line.get_label() == "plane").get_data()

@@ -9,8 +9,11 @@ import pytest
 
 import utils
 from grader.course.recorded_answers import changed_answers
+from tests.lesson_texts import FOLLOWS_HINTS, source_of
 from utils import lent
+from utils.breaking import show_broken, tell_apart
 from utils.lent import encoding
+from utils.replays import ransac
 
 
 @dataclass
@@ -206,6 +209,67 @@ def test_a_check_calls_the_stub_itself():
     assert lent.own(namespace["filter_ground"]) is filter_ground
     with pytest.raises(ChecksFailed, match="filter_ground is not started"):
         check(namespace["filter_ground"])
+
+
+# Exercises that call other exercises of their lesson, and those that are called.
+HELPERS = {
+    "ransac_line": ("line_through", "point_line_distance"),
+    "ransac_plane": ("plane_through", "point_plane_distance"),
+    "euclidean_clustering_accelerated": ("points_in_cells",),
+    "get_oriented_boxes": ("principal_axes",),
+}
+# Kept answers that define their helpers themselves.
+VARIANTS = {
+    "euclidean_clustering_accelerated": f"{FOLLOWS_HINTS}, in three steps",
+    "get_oriented_boxes": f"{FOLLOWS_HINTS}, principal axes in the plane",
+}
+
+
+def notebook_without(helper, exercise):
+    """Return a notebook's namespace, with an exercise and its helpers but a stub of one helper."""
+    names = {"np": np}
+    for name in HELPERS[exercise] if "ransac" in exercise else ():
+        exec(source_of(name), names)
+    exec(source_of(exercise, VARIANTS.get(exercise, FOLLOWS_HINTS)), names)
+    exec(f"def {helper}(*arguments):\n    raise NotImplementedError", names)
+    kinds = {"exercises": dict.fromkeys((*HELPERS[exercise], exercise), {})}
+    lent.Lender(kinds, names).wrap_stubs()
+    assert hasattr(names[helper], "is_lent_answers")
+    return names
+
+
+@pytest.mark.parametrize(
+    ("exercise", "helper"), [(name, helper) for name in HELPERS for helper in HELPERS[name]]
+)
+def test_a_check_names_the_unwritten_helper_and_not_its_caller(exercise, helper, capsys):
+    from utils import check
+    from utils.checks.core import ChecksFailed
+
+    names = notebook_without(helper, exercise)
+    sentence = f"{exercise} calls {helper}, which is not written yet. Write {helper} first."
+    with pytest.raises(ChecksFailed, match=sentence):
+        check(names[exercise])
+    output = capsys.readouterr().out
+    assert sentence in output and "is not started" not in output
+
+
+@pytest.mark.parametrize("exercise", ["ransac_line", "ransac_plane"])
+@pytest.mark.parametrize("position", [0, 1])
+def test_a_player_stops_at_an_unwritten_helper_without_blame(exercise, position):
+    helper = HELPERS[exercise][position]
+    function = notebook_without(helper, exercise)[exercise]
+    run = getattr(ransac, f"replay_{exercise}")(function)
+    assert run.fault is None and len(run.steps) == 1
+    assert run.remark.endswith(f" {helper} is not written yet, so the player cannot continue.")
+
+
+def test_broken_versions_wait_for_an_unwritten_helper(capsys):
+    boxes = notebook_without("principal_axes", "get_oriented_boxes")["get_oriented_boxes"]
+    show_broken(boxes)
+    sentence = "principal_axes is not written yet, so nothing can be compared."
+    assert capsys.readouterr().out == sentence + "\n"
+    tell_apart(boxes, A=[[0, 0, 0, 1], [4, 1, 2, 1]])
+    assert f"A ✗ {sentence}" in capsys.readouterr().out
 
 
 def test_calls_of_a_check_are_not_recorded():

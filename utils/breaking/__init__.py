@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from utils.breaking.puzzles import PUZZLES, Puzzle
 from utils.checks.limits import TimeUp, limit_resources
+from utils.checks.tips import unwritten_function
 from utils.display import show
 from utils.lent import is_written, own
 from utils.remote_objects import ENDLESS_LOOP_HINT
@@ -46,7 +47,7 @@ def show_broken(function: Callable) -> None:
                 for letter, version in puzzle.versions.items()
             }
     except Exception as error:
-        print(_describe_error(error))
+        print(_describe_error(error, function))
         return
     _, grid = plt.subplots(2, 2, figsize=(8.5, 7), layout="compressed")
     for (name, answer), axes in zip({"yours": right, **answers}.items(), grid.flat, strict=True):
@@ -116,7 +117,7 @@ def _judge_cloud(puzzle: Puzzle, function: Callable, letter: str, points: ArrayL
                 )
             ]
     except Exception as error:
-        return f"✗ {_describe_error(error)}"
+        return f"✗ {_describe_error(error, function)}"
     if letter not in differ:
         return f"✗ With this cloud, {letter} gives the same answer as your function."
     line = f"✓ Found with {_row_count_text(len(cloud))}. {version.description}"
@@ -128,12 +129,14 @@ def _judge_cloud(puzzle: Puzzle, function: Callable, letter: str, points: ArrayL
     return line
 
 
-def _describe_error(error: Exception) -> str:
+def _describe_error(error: Exception, function: Callable) -> str:
     if isinstance(error, TimeUp):
         return (
             f"Your function did not answer within {TIME_LIMIT} seconds, so nothing can be "
             f"compared. {ENDLESS_LOOP_HINT.capitalize()}"
         )
+    if stub := unwritten_function(error, function):
+        return f"{stub} is not written yet, so nothing can be compared."
     return f"Your function raised {type(error).__name__}, so nothing can be compared: {error}"
 
 

@@ -34,7 +34,7 @@ from utils.checks.static_analysis import (
 )
 from utils.checks.summary import summarise
 from utils.checks.timeouts import explanation, loops_around
-from utils.checks.tips import locate, tip_for
+from utils.checks.tips import locate, tip_for, unwritten_function
 from utils.checks.waiting_cells import record_result
 from utils.in_sandbox import ABSENT, CALL_SECONDS
 from utils.lent.events import report_check
@@ -186,9 +186,9 @@ def _describe_exception(one_check: Check, error: Exception, function: Callable) 
     exercise = one_check.exercise
     if isinstance(error, ImportError) and error.name in forbidden_modules(one_check.lesson):
         return _refuse_modules(exercise, [error.name])
-    kind, (name, place, line) = type(error).__name__, locate(error, function)
+    kind, (_, place, line) = type(error).__name__, locate(error, function)
     if isinstance(error, NotImplementedError):
-        return NotStarted(exercise, name or exercise)
+        return NotStarted(exercise, unwritten_function(error, function) or exercise)
     tip = tip_for(kind, str(error), line)
     message = f"{exercise} raised {kind}: {error}"
     return ExceptionRaised(message, kind=kind, place=place, line=line, tip=tip)

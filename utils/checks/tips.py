@@ -469,6 +469,14 @@ def locate(error: BaseException, function: Callable) -> tuple[str, str, str]:
     return found[0], f"{own[1]}, `{own[2]}`, which calls {found[1]}", found[2]
 
 
+def unwritten_function(error: BaseException | None, function: Callable) -> str:
+    """Return the name of the stub that raised an exception; empty for any other exception."""
+    if not isinstance(error, NotImplementedError):
+        return ""
+    # A notebook wraps each stub, and the wrapper's error contains the name (`utils.lent`).
+    return getattr(error, "missing_function", "") or locate(error, function)[0]
+
+
 def student_frames(error: BaseException, function: Callable) -> list[tuple[CodeType, int]]:
     """Return the frames of an exception in the student's code: code and line, outermost first.
 

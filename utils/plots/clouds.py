@@ -178,8 +178,10 @@ def draw_groups(
     size = marker_size(len(rows))
     for group in groups:
         chosen = np.flatnonzero(group.mask) if group.strong else rows[group.mask[rows]]
-        scale = max(1.6, 4.0 / size) if group.strong else 1.0
-        dots(axes, across[chosen], up[chosen], group.marker, group.colour, size * scale)
+        # Strong points are drawn above the symbol of the sensor.
+        scale, layer = (max(1.6, 4.0 / size), 7) if group.strong else (1.0, 2)
+        style = group.marker, group.colour, size * scale
+        dots(axes, across[chosen], up[chosen], *style, zorder=layer)
     for group in reversed(groups):
         key(
             axes,

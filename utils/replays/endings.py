@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from utils.checks.assertions import brief_text
-from utils.checks.tips import locate
+from utils.checks.tips import locate, unwritten_function
 from utils.remote_objects import ENDLESS_LOOP_HINT
 from utils.replays.tracer import Ending
 
@@ -19,6 +19,8 @@ def describe_ending(ending: Ending, function: Callable) -> str:
     """
     if ending.stopped:
         return f"Your function was stopped because it did not end. {ENDLESS_LOOP_HINT.capitalize()}"
+    if stub := unwritten_function(ending.error, function):
+        return f"{stub} is not written yet, so the player cannot continue."
     if ending.error is not None:
         kind, (_, place, line) = type(ending.error).__name__, locate(ending.error, function)
         where = f", in {place}" + (f": `{line}`" if line else "") if place else ""

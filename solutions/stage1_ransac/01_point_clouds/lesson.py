@@ -20,7 +20,7 @@
 # - process a hundred thousand points with one line of NumPy instead of a loop, and measure how much faster that line is,
 # - remove the rows of a scan that are not real points.
 #
-# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time). **You need** basic Python. The lesson explains the NumPy it uses.
+# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time), in two sittings of 40 and 30 minutes. **You need** basic Python. The lesson explains the NumPy it uses.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -31,7 +31,7 @@
 # %% [markdown]
 # ## Your first line of code
 #
-# A scanner on the roof of a car has made one full turn. Around it are a straight road and three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course), a place from which laser light came back. The columns are x, y, z and intensity. The sensor is at the origin. The x axis points forward, y to the left and z up, always in metres.
+# A scanner on the roof of a car has made one full turn. The scan shows a straight road and three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course), a place from which laser light came back. The columns are x, y, z and intensity. The sensor is at the origin. The x axis points forward, y to the left and z up, always in metres.
 
 # %%
 import matplotlib.pyplot as plt
@@ -148,7 +148,7 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # *A turning beam draws a ring on the road, and an obstacle leaves a gap in the ring.*
 #
-# A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like nearly all data in this course, it is simulated, so we know the truth.
+# A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps, 2.6 m above the road. Like nearly all data in this course, it is simulated, so we know the truth.
 #
 # In the first picture, the car ahead casts a *shadow*, so the outermost ring has a gap behind it. The four gaps in the innermost ring are not obstacles. There, the corners of the roof under the scanner block the steepest beam.
 #
@@ -167,7 +167,7 @@ for x, _, z, _ in ahead:  # one row at a time; _ is a number that we do not need
 print("the rays end at x =", ahead[:, 0].round(1), "m")
 
 # %% [markdown]
-# The steep rays hit the road, each a little farther out. The two flattest rays hit the back of the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. So a place without points may be free, or it may be hidden behind an obstacle.
+# The steep rays hit the road, each a little farther out. The two uppermost rays hit the back of the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. So a place without points may be free, or it may be hidden behind an obstacle.
 #
 # ## Play: build your own scanner
 #
@@ -298,9 +298,22 @@ found = 0
 for kind, (x, y, _), returns in zip(truth["box_kinds"], truth["box_centres"], truth["box_returns"]):
     if kind == "pedestrian" and abs(x) < 25 and abs(y) < 12:
         found += 1
-        plots.ring(axes, x, y, radius=0.8, text=f"{returns}")
+        aside = y < -6  # above this ring is another ring, so the number is to the right
+        plots.ring(axes, x, y, radius=0.8, text="" if aside else f"{returns}")
+        if aside:
+            axes.text(x + 1, y - 0.7, returns, bbox={"color": "white", "alpha": 0.85, "pad": 1})
 people.compare(found, "The one with 9 returns is a child behind the car parked on the left. A scanner "
                       "cannot see through a car, so most of the child is missing from the cloud.")
+
+# %% [markdown]
+# Here is the scene again, with the pedestrians in orange. Two of them are close together, and only a few points belong to the child.
+
+# %%
+is_near = (np.abs(cloud[:, 0]) < 25) & (np.abs(cloud[:, 1]) < 12)
+on_person = truth["classes"] == truth["class_names"].tolist().index("pedestrian")
+(Scene("The pedestrians in orange").add_cloud(cloud[is_near & ~on_person], colour="#999999")
+ .add_cloud(cloud[is_near & on_person], colour="#D55E00", size=4, name="points on pedestrians")
+ .add_ego_car().show())
 
 # %% [markdown]
 # ## The naive idea: the length of the row
@@ -331,7 +344,7 @@ print(f"without its intensity and its height:   {np.linalg.norm(strip[worst, :2]
 #
 # $$d = \sqrt{x^2 + y^2}.$$
 #
-# All points of an upright lamp post have the same $d$, from bottom to top.
+# All points of an upright lamp post have nearly the same $d$, from bottom to top.
 #
 # ## Exercise 1 · `horizontal_distance` (points)
 #
@@ -403,7 +416,7 @@ check(horizontal_distance)
 #
 # $$d = \frac{h}{\tan\delta}.$$
 #
-# Our sensor is $h = 1.73$ m above the road. The simulator knows the angle of each beam and which returns come from the road. Your function measures the distance of each ring, once ahead of the car and once behind it.
+# The sensor of this scan is only $h = 1.73$ m above the road. The simulator knows the angle of each beam and which returns come from the road. Your function measures the distance of each ring, once ahead of the car and once behind it.
 
 # %% tags=["folded"]
 # @title Measure the rings with your function (you need not read this)
@@ -442,7 +455,11 @@ show_table(["a ring at", "the next beam's ring"],
 # The curve also explains the white disc around the sensor. The steepest beam points 24.8° down. On a flat road, its ring is at 3.7 m, and the scanner sees no road inside it. At the front and the back, the car itself blocks the steepest beams, so the disc is larger there.
 #
 # The gaps in the table grow faster than the distance, although the upper beams, which reach far, are closer together than the lower ones. A distant pedestrian therefore gets only a few points.
-#
+
+# %% [markdown]
+# **A good place to stop.** You can measure the distance of every point. Save the notebook. The second sitting takes 30 minutes. When you come back, first run all the cells above this one.
+
+# %% [markdown]
 # ## Why no loop?
 #
 # *NumPy does the same work in machine code instead of Python.*
@@ -484,7 +501,8 @@ if is_written(horizontal_distance):
                    "For each number, Python looks up a function, unpacks the number and makes a "
                    "new object. NumPy does this only once for a whole column.")
 else:
-    print("horizontal_distance has not passed its check, so only the loop is measured.")
+    print("horizontal_distance is not written, or has not passed its check, so only the loop is "
+          "measured.")
 plots.timing({name: (counts, series) for name, series in times.items()}, fit=False,
              title="Time for n points, on logarithmic axes")
 for name, series in times.items():

@@ -57,12 +57,13 @@ def test_the_roof_blocks_the_steepest_beam_at_its_four_corners():
     assert np.abs(gaps["innermost"] % 32 - 16).max() == 3
 
 
-def test_two_flattest_rays_meet_the_car_ahead(lesson_run):
+def test_the_two_uppermost_rays_meet_the_car_ahead(lesson_run):
     car = max(simple_highway().boxes, key=lambda box: box.centre[0])
     assert (car.centre, car.size) == ((15, 0, -1.6), (4, 2, 2))  # as drawn
     ends = lesson_run.names["ahead"]
     assert np.sum(ends[:, 2] > -2.5) == 2
     assert np.allclose(ends[ends[:, 2] > -2.5, 0], 13.0, atol=0.2)
+    assert np.allclose(ends[ends[:, 2] < -2.5, 2], -2.6, atol=0.03)  # the height of the scanner
 
 
 def test_an_echo_from_120_metres_arrives_within_a_microsecond(lesson_run):
@@ -95,9 +96,15 @@ def test_marked_objects_vanish_as_described(lesson_run):
 def test_one_of_six_pedestrians_is_hidden(lesson_run):
     assert lesson_run.names["found"] == 6
     truth = lesson_run.names["truth"]
+    near = (truth["box_kinds"] == "pedestrian") & (
+        np.abs(truth["box_centres"][:, :2]) < (25, 12)
+    ).all(axis=1)
     few = (truth["box_kinds"] == "pedestrian") & (truth["box_returns"] == 9)
     (x, y, _), size = truth["box_centres"][few][0], truth["box_sizes"][few][0]
     assert few.sum() == 1 and size[2] < 1.3
+    orange = lesson_run.names["is_near"] & lesson_run.names["on_person"]
+    assert set(truth["objects"][orange]) == set(truth["box_identities"][near])
+    assert orange.sum() == truth["box_returns"][near].sum()
     # A car parked on the left is between the child and the scanner.
     car = truth["box_centres"][(truth["box_kinds"] == "car")]
     between = [

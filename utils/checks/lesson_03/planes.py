@@ -151,7 +151,7 @@ def draw_edge_on(
         turned_points, turned_plane, inliers, tolerance, title="yours", limits=limits
     )
     axes.set_xlabel("along the plane (m)")
-    axes.set_ylabel("height above the plane (m)")
+    axes.set_ylabel("along the normal (m), 0 at the sensor")
     if expected is not None:
         axes.axhline(-level[3], color="black", linestyle="--")
         axes.text(axes.get_xlim()[0], -level[3], " expected", va="bottom")

@@ -154,7 +154,8 @@ def measures_distances(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=2,
     title="Works for planes that do not pass through the sensor",
-    why="The road is 1.7 m below the sensor, but without d every plane passes through the sensor.",
+    why="Without d, every plane passes through the sensor. With the wrong sign, the plane is as "
+    "far above the sensor as the road is below it.",
     hint="Add d, the last number of the plane, to a x + b y + c z.",
 )
 def adds_d(point_plane_distance: Callable) -> None:
@@ -300,8 +301,9 @@ declare_mistakes(
         "Add d, the last number of the plane, to a x + b y + c z.",
     ),
     Mistake(
-        "d has the wrong sign: it must be added to a x + b y + c z.",
+        "d has the wrong sign.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], -plane[3]]),
+        "Add d to a x + b y + c z instead of subtracting it.",
     ),
     Mistake(
         "The function takes the absolute value of a x + b y + c z and then adds d.",

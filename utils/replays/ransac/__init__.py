@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks.tips import unwritten_function
 from utils.lent import own
 from utils.replays.endings import describe_ending
 from utils.replays.player import Fault, Replay, ReplayStep
@@ -48,11 +49,14 @@ def replay_search(task: Task, search: Callable) -> Replay:
     wrong = outcome.fault
     if answer:
         steps.append(_last_step(outcome))
-    elif not wrong and not ending.stopped:
+    elif not wrong and not ending.stopped and not unwritten_function(ending.error, search):
         wrong = Fault(
             len(steps) - 1, describe_ending(ending, search) + _expected_text(task, ending)
         )
-    return Replay(steps, wrong, _remark(task, ending, rounds, observer.was_called))
+    remark = _remark(task, ending, rounds, observer.was_called)
+    if unwritten_function(ending.error, search):
+        remark += f" {describe_ending(ending, search)}"
+    return Replay(steps, wrong, remark)
 
 
 def _expected_text(task: Task, ending: Ending) -> str:
