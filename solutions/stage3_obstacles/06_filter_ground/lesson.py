@@ -457,7 +457,7 @@ print(f"In total: {by_skipping(everything):,} by skipping, {by_voxels(everything
 show_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %% [markdown]
-# The near objects keep fewer points than with skipping, but still plenty. The two distant cars (8 and 72) keep about three and four times as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
+# The near objects keep fewer points than with skipping, but still plenty. The two distant cars (8 and 72) keep about four and three times as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
 #
 # ## Play: detail against cost
 #
