@@ -215,8 +215,8 @@ def vanishes_at(kind, levels):
 # %%
 rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
 gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
-for name, level in gone.items():
-    print(f"{name} vanishes at {level:4.1f} m")
+for thing, level in gone.items():
+    print(f"{thing} vanishes at {level:4.1f} m")
 first.compare(min(gone, key=gone.get), "A car is lower than a person. A rising level removes low "
               "objects first, not small ones. (The wall is a garden wall, 1.3 m high. On house "
               "fronts within 15 m, the top beam reaches only 0.5 m above the sensor.)")
