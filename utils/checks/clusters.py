@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+import utils
 from utils.checks.assertions import (
     CheckFailed,
     as_array,
@@ -97,7 +98,15 @@ def assert_clusters(
     except CheckFailed as failure:
         if failure.is_about_the_check and len(cloud) <= _MAX_COMPARED_POINTS:
             yours = as_labels(answer, len(cloud))
-            failure.input_text = _nearest_wrong_pair(yours, expected, cloud, threshold)
+            i, j = _nearest_wrong_pair(yours, expected, cloud)
+            failure.input_text = _pair_text(i, j, yours, cloud, threshold)
+            pair = cloud[[i, j], :2]
+            gap, span = (np.ptp(points[:, :2], axis=0).max() for points in (pair, cloud))
+            if 0 < gap < 0.03 * span:
+                # Two markers so close together would cover each other in a picture of all points.
+                margin = max(5 * gap, 0.5)
+                limits = np.stack([pair.min(axis=0) - margin, pair.max(axis=0) + margin], axis=1)
+                failure.draw = lambda: utils.plots.worst(cloud, yours, expected, limits=limits)
             failure.yours, failure.expected = _labels_text(yours), _labels_text(expected)
         raise
 
@@ -126,18 +135,22 @@ def cluster_count_text(labels: np.ndarray) -> str:
 
 
 def _nearest_wrong_pair(
-    yours: np.ndarray, expected: np.ndarray, cloud: np.ndarray, threshold: float
-) -> str:
-    """Describe the nearest two points that are wrongly joined or wrongly separated."""
+    yours: np.ndarray, expected: np.ndarray, cloud: np.ndarray
+) -> tuple[int, int]:
+    """Return the rows of the nearest two points that are wrongly joined or wrongly separated."""
     wrong = (yours[:, None] == yours) != (expected[:, None] == expected)
     gaps = np.linalg.norm(cloud[:, None, :3] - cloud[None, :, :3], axis=2)
-    i, j = np.unravel_index(np.argmin(np.where(wrong, gaps, np.inf)), gaps.shape)
+    return np.unravel_index(np.argmin(np.where(wrong, gaps, np.inf)), gaps.shape)
+
+
+def _pair_text(i: int, j: int, yours: np.ndarray, cloud: np.ndarray, threshold: float) -> str:
     labels = "the same label" if yours[i] else "the label 0"
     if yours[i] != yours[j]:
         labels = "different labels"
+    gap = np.linalg.norm(cloud[i, :3] - cloud[j, :3])
     return (
         f"points {i} and {j}, at {point_text(cloud[i])} and {point_text(cloud[j])}, "
-        f"{gaps[i, j]:.2f} m apart; threshold {threshold:g} m. They have {labels}"
+        f"{gap:.2f} m apart; threshold {threshold:g} m. They have {labels}"
     )
 
 

@@ -71,6 +71,8 @@ _LABELS_WITH_SINGLES = brief_text(np.array([1, *(LABELS + 1), LABELS.max() + 2])
     "become two.",
     hint="Take a point without a label and give it a new label. Then give the same label to every "
     "point that can be reached from it.",
+    slow="does each point get a label above 0 when it enters the queue? A point that gets label 0 "
+    "still counts as unlabelled and enters again.",
 )
 def separates_groups(euclidean_clustering: Callable) -> None:
     assert_clusters(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)

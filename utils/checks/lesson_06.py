@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+import utils
 from utils.checks import common_checks, common_row_checks
 from utils.checks.assertions import (
     TOLERANCE,
@@ -50,13 +51,18 @@ def assert_no_ground_left(
         The ground level that the function was given, in metres, for the message.
     """
     is_small = len(cloud) <= 12
-    assert_positions(
-        answer,
-        cloud,
-        keep,
-        input_text=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
-        points_to_text=_heights_text if is_small else None,
-    )
+    try:
+        assert_positions(
+            answer,
+            cloud,
+            keep,
+            input_text=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
+            points_to_text=_heights_text if is_small else None,
+        )
+    except CheckFailed as failure:
+        if draw := failure.draw:
+            failure.draw = lambda: utils.plots.clouds.mark_level(draw(), level)
+        raise
 
 
 def _heights_text(points: np.ndarray) -> str:

@@ -206,5 +206,7 @@ def draw_scan(drive: Drive, number: int, braking: Braking | None = None) -> obje
         axes.add_patch(plt.Polygon(around, fill=False, color=VERMILION, linewidth=3))
         high = around.max(axis=0)
         at = (min(high[0], VIEW[0][1] - 12), min(high[1] + 0.4, VIEW[1][1] - 1.5))
-        axes.text(*at, "braked for this box", color=VERMILION, weight="bold")
+        paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        words = "braked for this box"
+        axes.text(*at, words, color=VERMILION, weight="bold", bbox=paper, zorder=8)
     return axes

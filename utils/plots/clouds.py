@@ -283,7 +283,7 @@ def _draw_coloured(
     )
     _colour_bar(axes, points, label, extend)
     for height in levels:
-        _mark_level(axes, height)
+        mark_level(axes, height)
     mark_sensor(axes)
     note(axes, remark)
     return finish(axes, title, across_label, up_label)
@@ -316,19 +316,20 @@ def _colour_bar(axes: Axes, points: PathCollection, label: str | None, extend: s
     bar.set_label(label or "", color=INK, fontsize=10.5)
 
 
-def _mark_level(axes: Axes, level: float) -> None:
+def mark_level(axes: Axes, level: float) -> None:
+    """Draw a labelled horizontal line at a height, if the height is in view."""
     low, high = sorted(axes.get_ylim())
     if not low <= level <= high:
         return
     axes.axhline(level, color=VERMILION, linewidth=1.6, linestyle="--", zorder=5)
     axes.annotate(
         f"z = {number(level)} m",
-        (0.005, level),
+        (0.995, level),
         xycoords=axes.get_yaxis_transform(),
-        xytext=(4, 3),
+        xytext=(-4, -3),
         textcoords="offset points",
-        ha="left",
-        va="bottom",
+        ha="right",
+        va="top",
         fontsize=10,
         color=INK,
         zorder=7,

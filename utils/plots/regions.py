@@ -91,7 +91,7 @@ def kd_splits(
     _draw_splits(axes, root, strength=1.0)
     _draw_points(axes, points, names)
     for axis, colour, dashes in AXIS_STYLES:
-        key(axes, f"splits {axis}", colour=colour, line=dashes)
+        key(axes, f"cuts {axis}", colour=colour, line=dashes)
     return finish(axes, title, "x (m)", "y (m)")
 
 

@@ -119,7 +119,7 @@ def kd_tree(
 def _draw_nodes(
     axes: Axes, order: list[tuple[Node, int]], visited: set[int], found: set[int]
 ) -> None:
-    """Draw each node at its rank and depth, with the colour and shape of the axis that it splits.
+    """Draw each node at its rank and depth, with the colour and shape of the axis that it cuts.
 
     `order` contains pairs (node, depth); the rank is the position in this list.
     """
@@ -132,7 +132,7 @@ def _draw_nodes(
         # The inside is white if a number is written there, because dark text is readable on white.
         style = {"markerfacecolor": PAPER if few else colour, "markeredgewidth": 2 if few else 0}
         axes.plot(ranks, depths[ranks], marker, color=colour, markersize=size, zorder=2, **style)
-        key(axes, f"splits {name}", marker, colour=colour, size=8, **style)
+        key(axes, f"cuts {name}", marker, colour=colour, size=8, **style)
     for filled, colour, name in ((visited - found, GRID, "far"), (found, FOUND, "found")):
         ranks = [rank for rank, (node, _) in enumerate(order) if node.index in filled]
         if few and ranks:

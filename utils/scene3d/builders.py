@@ -115,7 +115,7 @@ def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> 
         outline = rings[:, np.array(solids.RING)].reshape(-1, 2, 3)
         parts.append(Segments(outline, colour, 1.5, "kd_tree"))
         triangles = rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3, 3)
-        name = f"splits {letter}"
+        name = f"cuts {letter}"
         parts.append(_faces(triangles, colour, "kd_tree", 0.16, name, shaded=False))
     for number, cut in enumerate(cuts[:MAX_NAMES], start=1):
         parts.append(Label(cut.corners[2], f"{number} {AXIS_STYLES[cut.axis][0]}", "kd_tree"))

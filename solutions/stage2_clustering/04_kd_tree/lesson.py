@@ -63,11 +63,11 @@ print(f"The same question for every point needs {len(obstacles) ** 2:,} distance
       f"or about {seconds * len(obstacles) / 60:.1f} minutes.")
 
 # %% [markdown]
-# Every search has to look at the points that are near. How many points will your tree look at in all? The end of the lesson has the answer.
+# Every search has to look at the points that are near. How many points will a search of your tree look at in all? The end of the lesson has the answer.
 
 # %%
-few = predict(f"Your finished tree holds all {len(obstacles):,} points. How many of them will it "
-              f"look at to find the {is_near.sum()} near ones?")
+few = predict(f"Your finished tree holds all {len(obstacles):,} points. How many of them will a "
+              f"search look at to find the {is_near.sum()} near ones?")
 
 # %% [markdown]
 # ## The naive idea: sort by x
@@ -94,7 +94,7 @@ for axis, name in enumerate("xyz"):
 #
 # ## The idea: x and y take turns
 #
-# A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts (or *splits*) a region in two:
+# A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts a region in two (the place of the cut is called the *split*):
 #
 # - The first node, the *root*, cuts the whole space by x. Points with a smaller x go to the left, and all others go to the right.
 # - Its children cut these two sides by y. Again, smaller goes left, and everything else goes right. On a map, this left side is below the cut, and the right side is above it.
@@ -686,13 +686,13 @@ if all(map(is_written, (insert, search, median_order))):
                         fit=False, title="One search in a finished tree")
     gain = numpys[-1] - yours[-1]
     print(f"Building the tree of {n:,} points took {1000 * building[-1]:.0f} ms. "
-          + (f"It pays after {building[-1] / gain:,.0f} searches." if gain > 0 else
-             "At this size NumPy is still faster, so the tree does not pay."))
+          + (f"It pays off after {building[-1] / gain:,.0f} searches." if gain > 0 else
+             "At this size NumPy is still faster, so the tree does not pay off."))
 else:
     print("Nothing to measure yet: this cell needs your own insert, search and median_order.")
 
 # %% [markdown]
-# NumPy's time grows with the number of points, while your search slows down far less. Where the lines cross, the better algorithm overtakes the faster language. For a single question, a tree does not pay, because you have to build it first. But clustering asks a question for every point, here 8,000 times. Compare this with the number of searches printed above. A compiled kd-tree, such as SciPy's in lesson 10, pays much earlier.
+# NumPy's time grows with the number of points, while your search slows down far less. Where the lines cross, the better algorithm overtakes the faster language. For a single question, a tree does not pay off, because you have to build it first. But clustering asks a question for every point, here 8,000 times. Compare this with the number of searches printed above. A compiled kd-tree, such as SciPy's in lesson 10, pays off much earlier.
 #
 # ### The lamp post again
 #

@@ -12,7 +12,7 @@
 # %% [markdown]
 # # 05 · Euclidean clustering
 #
-# ![The same street from above, twice. On the left, all points look alike. On the right, each car, person, pole and wall has its own colour and marker.](05_preview.png)
+# ![The same street from above, twice. On the left, all points look alike. On the right, nearly every car, person, pole and wall has its own colour and marker.](05_preview.png)
 #
 # A scan is only a list of points, but a driver sees a lorry, two people and a wall. This lesson turns points into obstacles with a single rule.
 #
@@ -21,7 +21,7 @@
 # - explain what the threshold does, and why no threshold is right everywhere,
 # - predict from measurements how long an algorithm will take on a full scan.
 #
-# **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but you do not need its code. **Time:** (time), in two sittings of 55 and 30 minutes.
+# **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but you do not need its code. **Time:** (time), in two sittings of 50 and 40 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -99,7 +99,7 @@ plots.ring(rows[1], 8.9, -0.3, radius=3.0, text="one ball");
 #
 # ## The idea: neighbours of neighbours
 #
-# *Two points are neighbours if they are close. A cluster is all the points that you can reach by going from neighbour to neighbour.*
+# *Two points are neighbours if they are close. A cluster contains all the points that you can reach by going from neighbour to neighbour.*
 #
 # Here are seven points. A line connects every two points that are less than 0.8 m apart.
 
@@ -245,7 +245,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # </details>
 
 # %% [markdown]
-# **Seven points first.** If this cell or the next one never finishes, stop it with ■. In that case, points never leave the queue, or they enter it again and again.
+# **Seven points first.** If this cell or the next one never finishes, stop it with ■. In that case, points never leave the queue, or they enter it again and again. A point that gets label 0 still counts as unlabelled, so it enters again.
 
 # %%
 in_space = np.column_stack([seven, np.zeros(7)])  # the seven points, all at height 0
@@ -271,6 +271,9 @@ plots.clusters(obstacles, labels, names=True, limits=street,
 
 # %% nbgrader={"grade": true, "grade_id": "test_euclidean_clustering", "locked": true, "points": 40, "schema_version": 3, "solution": false, "task": false}
 check(euclidean_clustering)
+
+# %% [markdown]
+# **A good place to stop.** Your clustering works. Save the notebook. The second sitting takes 40 minutes. When you come back, first run all the cells above this one.
 
 # %% [markdown]
 # **Your run, step by step.** The player shows how *your* function works through the seven points and five more. A circle marks the point that is asked for its neighbours, and squares mark the points that wait. If a step is wrong, the player starts there and explains why.
@@ -351,9 +354,6 @@ plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches two walls");
 # A single stray point in a gap is a bridge. Two people who walk side by side are also one cluster, because they are less than half a metre apart.
 
 # %% [markdown]
-# **A good place to stop.** Your clustering works. Save the notebook. The second sitting takes 30 minutes. When you come back, first run all the cells above this one.
-
-# %% [markdown]
 # ## Play: how close is close?
 #
 # In this smaller part of the street, two pedestrians walk at the lower left. At the top, a car is turning next to a cyclist.
@@ -365,6 +365,7 @@ yard, window = obstacles[in_yard], ((1, 11), (-7, 7.6))
 true_number = np.unique(objects[in_yard], return_inverse=True)[1].ravel() + 1
 figure, axes = plt.subplots(figsize=(6, 6.8), layout="compressed")
 plots.clusters(yard, true_number, limits=window, axes=axes, title="The true objects")
+axes.get_legend().texts[0].set_text(f"{true_number.max()} objects")
 plots.ring(axes, 2.5, -5.8, radius=1.1, text="two people")
 plots.ring(axes, 7.0, 3.8, radius=2.4, text="one car")
 axes.text(2.5, 2.3, "a cyclist");
@@ -372,6 +373,21 @@ axes.text(2.5, 2.3, "a cyclist");
 # %%
 parted = predict("Is there a threshold that keeps the two people apart and the car in one piece?",
                  choices=["yes, a small one", "yes, a large one", "no"])
+
+# %% [markdown]
+# **Count in one line.** Lesson 09 drops clusters of fewer than ten points. How many clusters are left at each of these three thresholds? `np.bincount(found)` returns the number of points with each label, starting with label 0. Replace the question mark.
+
+# %%
+for threshold in (0.3, 0.5, 0.7):
+    found = euclidean_clustering(yard, threshold)
+    larger = "?"  # change this: the number of clusters with at least ten points
+    print(f"at {threshold} m: {found.max()} clusters, {larger} of them with at least ten points")
+
+# %% [markdown]
+# <details><summary>An answer</summary>
+#
+# `larger = np.sum(np.bincount(found) >= 10)` gives 7, 5 and 5. In this part of the street, six objects have at least ten points. At 0.3 m, pieces of the turning car are three of the seven clusters. At all three thresholds, the two people share one cluster.
+# </details>
 
 # %%
 @interact(threshold=FloatSlider(value=0.5, min=0.1, max=2.5, step=0.1,
@@ -393,7 +409,7 @@ plots.ring(panels[0], 2.5, -5.8, radius=1.1, text="joined")
 plots.ring(panels[1], 5.5, 3.6, radius=3.2, text="joined");
 
 # %% [markdown]
-# At 0.5 m, the number of clusters is right only because two errors cancel.
+# At 0.5 m, the number of clusters is right only because two errors cancel out.
 
 # %%
 def which_thresholds(thresholds):
@@ -541,7 +557,8 @@ else:
 # | compares points only with the first point of the cluster | confetti, because clusters are balls and not chains |
 # | compares the distance with `threshold ** 2` | 0.5 acts like 0.25, and obstacles fall to pieces |
 # | compares the squared distance with `threshold` | 0.5 acts like 0.71, which repairs one car by luck and joins two others outside the picture |
-# | starts the labels at 0 | the first obstacle is drawn as noise, with pale crosses |
+# | gives the first cluster the label 0 | the cell never finishes, because 0 means *no label* |
+# | subtracts 1 from all labels at the end | the first obstacle is drawn as noise, with pale crosses |
 # | counts a new cluster for every point | labels are far above the number of clusters |
 # | uses all four columns for the distance | nothing here, because intensities end at 1, but confetti in recordings with intensities up to 255 |
 
@@ -550,7 +567,7 @@ right = euclidean_clustering(yard)
 wrong = {"first point only": balls(yard, 0.5),
          "distance < threshold ** 2": euclidean_clustering(yard, 0.5 ** 2),
          "distance ** 2 < threshold": euclidean_clustering(yard, 0.5 ** 0.5),
-         "labels from 0": right - 1}
+         "1 subtracted at the end": right - 1}
 figure, grid = plt.subplots(2, 2, figsize=(8.5, 10.4), layout="compressed")
 for (title, numbers), axes in zip(wrong.items(), grid.flat):
     plots.clusters(yard, numbers, like=right, limits=window, axes=axes, title=title)
@@ -594,7 +611,7 @@ ask_about(euclidean_clustering)
 # %% [markdown]
 # ## In practice
 #
-# - In scikit-learn, the function is called DBSCAN. With `min_samples=1`, it gives the same clusters:
+# - In scikit-learn, the function is called DBSCAN. With `min_samples=1`, it gives the same clusters, except that it also joins points exactly 0.5 m apart:
 #
 #   ```python
 #   from sklearn.cluster import DBSCAN

@@ -153,6 +153,19 @@ def test_cyclist_and_car_are_one_cluster_at_a_metre_and_a_half(street, cluster):
     assert set(found[things == 12]) == set(found[things == 10])
 
 
+def test_counts_of_larger_clusters_match_the_answer(street, cluster):
+    yard, things = street["yard"], street["objects"][street["in_yard"]]
+    larger, pieces = [], []
+    for threshold in (0.3, 0.5, 0.7):
+        found = cluster(yard, threshold)
+        larger.append(np.sum(np.bincount(found) >= 10))
+        pieces.append(np.sum(np.bincount(found[things == 10]) >= 10))
+        people = np.isin(things, (15, 16))
+        assert len(np.unique(found[people])) == 1
+    assert larger == [7, 5, 5] and pieces == [3, 1, 1]
+    assert np.sum(np.bincount(things) >= 10) == 6
+
+
 def test_no_threshold_is_right_for_both(street):
     tried = np.array([0.1, 0.15, 0.2, 0.25, 0.3, 0.5, 0.65, 0.7, 1.0, 2.5])
     apart, whole = street["which_thresholds"](tried)
@@ -234,6 +247,23 @@ def test_common_mistakes_match_the_table(street, cluster, labels):
         found = DBSCAN(eps=0.5, min_samples=1).fit_predict(four)
         assert same_partition(found, labels) == same
     assert found.max() > 10 * labels.max()
+
+
+def test_with_a_first_label_of_zero_the_queue_never_becomes_empty(street):
+    points = in_space(street["seven"])
+    labels, queue = np.zeros(len(points), dtype=int), deque([0])
+    for _ in range(100):
+        gaps = np.linalg.norm(points - points[queue.popleft()], axis=1)
+        new = np.flatnonzero((gaps < 0.8) & (labels == 0))
+        labels[new] = 0
+        queue.extend(new)
+    assert len(queue) > 100
+
+
+def test_scikit_learn_also_joins_points_at_the_threshold(cluster):
+    pair = np.array([[0.0, 0, 0], [0.5, 0, 0]])
+    assert len(set(DBSCAN(eps=0.5, min_samples=1).fit_predict(pair))) == 1
+    assert cluster(pair, 0.5).tolist() == [1, 2]
 
 
 def test_scikit_learn_gives_the_same_clusters(street, labels):

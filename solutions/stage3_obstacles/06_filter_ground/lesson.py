@@ -13,13 +13,13 @@
 #
 # ![A street seen from the side. A dashed line half a metre above the road separates grey points of the road below from dark points of cars, people and walls above.](06_preview.png)
 #
-# A LiDAR measures both roads and obstacles as points. The car should drive on the road, so every road point that stays in the cloud is a *phantom obstacle*.
+# A LiDAR returns points from the road as well as from obstacles. The car should drive on the road, so every road point that stays in the cloud is a *phantom obstacle*.
 #
 # **After this lesson you can**
 # - remove the ground from a scan with a single comparison, and say when that is not enough,
 # - thin out a cloud to a fifth of its points, and say which objects keep the largest share of their points.
 #
-# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). All packages listed at the end are allowed. **Time:** (time: 60).
+# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). All packages listed at the end are allowed. **Time:** (time: 65), in two sittings of about 25 and 40 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -86,7 +86,7 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
                 title="Above z = 0 hardly any part of a car is left");
 
 # %% [markdown]
-# Whole cars are below the line. In this cloud, z = 0 is the height of our sensor, and the roofs of these cars are lower. Other cars carry their sensor higher or lower, so the level must be a parameter.
+# Near us, whole cars are below the line. In this cloud, z = 0 is the height of our sensor, and their roofs are lower. Farther ahead, roofs reach above the line, because the street climbs. Other cars carry their sensor higher or lower, so the level must be a parameter.
 #
 # ## The idea: one level, a little above the road
 #
@@ -166,6 +166,12 @@ plots.from_side(filter_ground(near), level=-1.2, limits=((-15, 40), (-3, 3)),
 check(filter_ground)
 # %% [markdown]
 # ## Play: how high is high enough?
+#
+# We raise the level from -1.2 m, and your function removes more and more points. Make a guess before you move the slider.
+
+# %%
+first = predict("If the level rises step by step, what kind of object vanishes first?",
+                choices=["a car", "a pedestrian", "a wall"])
 
 # %%
 thin = cloud[::12]  # every twelfth point is enough for a picture
@@ -191,6 +197,29 @@ for level, axes in zip((-1.6, -1.2, -0.5), rows):
                      title=f"ground_level = {level} m keeps {len(kept) / len(thin):.0%}")
 plots.ring(rows[1], -11.7, -2.7, radius=2.5, text="a car")
 plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");
+
+# %% [markdown]
+# **What vanishes first?** Your function can answer this. We use objects within 15 m that have at least a hundred returns.
+
+# %%
+def vanishes_at(kind, levels):
+    """Return the first of the rising levels at which an object of this kind has no returns."""
+    mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
+    numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
+    for level in levels:
+        for number in numbers[sizes >= 100]:
+            if len(filter_ground(cloud[mine & (truth["objects"] == number)], level)) == 0:
+                return level
+    return np.inf
+
+# %%
+rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
+gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
+for thing, level in gone.items():
+    print(f"{thing} vanishes at {level:4.1f} m")
+first.compare(min(gone, key=gone.get), "A car is lower than a person. A rising level removes low "
+              "objects first, not small ones. (The wall is a garden wall, 1.3 m high. On house "
+              "fronts within 15 m, the top beam reaches only 0.5 m above the sensor.)")
 
 # %% [markdown]
 # ## Theory against practice: what does the best level cost?
@@ -238,7 +267,12 @@ plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75),
 # A slope of one degree lifts the road by 0.5 m over 30 m, which uses up our whole margin. Near the car, one level is enough. For the whole scan, fit a plane to the road with RANSAC (lesson 03).
 
 # %% [markdown]
+# **A good place to stop.** Your filter works. Save the notebook. In the second sitting (40 minutes), you thin out the cloud.
+
+# %% [markdown]
 # ## Thinning: too many points near the car
+#
+# *If you have just opened the notebook, run all the cells above.*
 #
 # *On vertical surfaces, the density of points falls with the square of the distance. On the road, it falls even faster.*
 #
@@ -275,7 +309,7 @@ show_what_is_left({"every fifth": by_skipping})
 #
 # The brackets mean *round down*, even below zero, so $\lfloor -0.2 \rfloor = -1$. Points with the same three whole numbers are in the same cell. We replace them by their mean in all columns, the *centroid*.
 #
-# `np.unique` lists the different numbers in an array and counts them. It also says where in this list each entry is. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
+# `np.unique` lists the different numbers in an array and counts them. It also returns, for each entry of the array, its position in that list. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
 
 # %% tags=["folded"]
 # @title Turn each row into one number (you need not read this)
@@ -296,6 +330,8 @@ print("a number for each row:", as_numbers(cells), "  different ones:", differen
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
+# Row (3, 2) becomes 7: its difference from the smallest entries, 0 and 1, is (3, 1), and 3 · 2 + 1 = 7. (The 2 is the number of possible second entries.) `np.unique(cells, axis=0, ...)` does the same without `as_numbers`, but is slower.
+#
 # These numbers have no meaning of their own. Rows 0, 2 and 3 have the first number, so they are of kind 0. Row 1 has the second number, so it is of kind 1. Suppose that each row has a price, and that we want the sum of the prices of each kind. There is a trap:
 
 # %%
@@ -421,7 +457,7 @@ print(f"In total: {by_skipping(everything):,} by skipping, {by_voxels(everything
 show_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %% [markdown]
-# The near objects keep fewer points than with skipping, but still plenty. The two distant cars (8 and 72) keep more than twice as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
+# The near objects keep fewer points than with skipping, but still plenty. The two distant cars (8 and 72) keep about four and three times as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
 #
 # ## Play: detail against cost
 #
@@ -506,7 +542,7 @@ drive_with(-0.6) if is_written(filter_ground) else print(
     "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
-# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures distances from the bumper, which is 2.6 m ahead of the sensor. So 9 m from the sensor is 6.4 m in the strip.)
+# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures distances from the bumper, which is 2.6 m ahead of the sensor. So 9 m from the sensor is 6.4 m in the strip. The box begins even nearer, at about 4 m in the strip, because it also contains the pavement, which is about 10 cm higher than the lane.)
 #
 # Is -0.6 m the better level? Try it downhill, where a pedestrian crosses after ten seconds, with `drive_with(-0.6, street=16, seconds=13)`. Is there a level with which the car drives 82 m uphill and stops in time downhill?
 #
@@ -554,35 +590,6 @@ ask_about(voxel_grid)
 # 1. Write `filter_ground_sloped(cloud, ground_level, slope)`, whose level rises with distance. Which slope gives the fewest errors in the figure above? (20 minutes)
 # 2. In each cell, keep the point nearest to the centroid instead of the centroid itself. When does it matter that a centroid was never measured? (20 minutes)
 # 3. Load your own recording with `load_cloud("path/to/file.pcd")`, and find its ground level from the histogram. (10 minutes)
-
-# %% [markdown]
-# ### Which kind of object vanishes first? (5 minutes)
-#
-# Your function can answer this. We use objects within 15 m that have at least a hundred returns.
-
-# %%
-first = predict("We raise the level step by step. What kind of object vanishes first?",
-                choices=["a car", "a pedestrian", "a wall"])
-
-# %%
-def vanishes_at(kind, levels):
-    """Return the first of the rising levels at which an object of this kind has no returns."""
-    mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
-    numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
-    for level in levels:
-        for number in numbers[sizes >= 100]:
-            if len(filter_ground(cloud[mine & (truth["objects"] == number)], level)) == 0:
-                return level
-    return np.inf
-
-# %%
-rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
-gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
-for name, level in gone.items():
-    print(f"{name} vanishes at {level:4.1f} m")
-first.compare(min(gone, key=gone.get), "A car is lower than a person. A rising level removes low "
-              "objects first, not small ones. (The wall is a garden wall, 1.3 m high. On house "
-              "fronts within 15 m, the top beam reaches only 0.5 m above the sensor.)")
 
 # %% [markdown] tags=["footer"]
 # (footer)
