@@ -131,7 +131,7 @@ def test_the_first_picture_names_only_the_obstacles_with_the_most_points():
     axes = plots.clusters(CLOUD[LABELS > 0], LABELS[LABELS > 0], names=True, limits=near)
     named = {int(text.get_text()) for text in axes.texts if text.get_text().isdigit()}
     plt.close(axes.figure)
-    counts = {label: np.count_nonzero(LABELS == label) for label in PRESENT}
+    counts = {label: np.count_nonzero(label == LABELS) for label in PRESENT}
     largest = sorted(PRESENT, key=counts.get)[-len(named) - 3 :]
     assert 5 < len(named) < len(PRESENT) / 2 and named <= set(largest)
 
