@@ -109,8 +109,8 @@ def follows_chains(euclidean_clustering: Callable) -> None:
     "euclidean_clustering",
     weight=5,
     title="Labels every point with a whole number from 1 to the number of clusters",
-    why='Later lessons use 0 for "belongs to no obstacle", and the largest label as the number of '
-    "obstacles.",
+    why='Later lessons use 0 for "belongs to no obstacle", and a later cell prints the largest '
+    "label as the number of clusters.",
     hint="Give the first cluster the label 1, and increase the counter only when a new cluster "
     "begins. An isolated point is a cluster too, even if it is the first or last of the cloud.",
 )

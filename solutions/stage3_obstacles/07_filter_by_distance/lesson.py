@@ -18,7 +18,7 @@
 # - cut a straight or bent region of interest out of a street,
 # - find and remove [returns](#Words-of-the-course) that do not come from obstacles.
 #
-# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). All packages listed at the end are allowed. **Time:** (time: 50).
+# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). All packages listed at the end are allowed. **Time:** (time: 60).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -212,7 +212,7 @@ print("share of the obstacles' returns:",
       ", ".join(f"{share:.0%} within {radius} m" for radius, share in zip(radii, shares)))
 
 # %% [markdown]
-# ## What a radius saves, and what it loses
+# ## What a radius removes, and what it loses
 #
 # *Comparing every point with every other point takes n² steps, so half the points need only a quarter of the work.*
 #
@@ -221,7 +221,7 @@ print("share of the obstacles' returns:",
 # The dotted lines show how far ahead a car must see a stationary obstacle. The car drives on for half a second while it thinks, and then brakes at 7 m/s². From the speed $v$, it stops after $0.5\,\mathrm{s} \cdot v + \frac{v^2}{2 \cdot 7\,\mathrm{m/s^2}}$, measured from its bumper, 2.6 m ahead of the sensor.
 
 # %% tags=["folded"]
-# @title What a radius saves and what it loses (you need not read this)
+# @title What a radius removes and what it loses (you need not read this)
 kinds = [names.index(kind) for kind in ("car", "truck", "pedestrian", "cyclist")]
 upright = cloud[:, 2] >= -1.2
 is_user = upright & np.isin(truth["classes"], kinds)
@@ -257,11 +257,11 @@ for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]
     for axes in (cost, loss):
         axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     loss.text(stop + 0.8, -0.03, f"stops from {speed} km/h", rotation=90)
-    print(f"From {speed} km/h, the car needs a radius of {stop:.1f} m. This saves {1 - near:.0%} of "
+    print(f"From {speed} km/h, the car needs a radius of {stop:.1f} m. This removes {1 - near:.0%} of "
           f"the points\nand {1 - near**2:.0%} of the work, and loses {1 - some:.0%} of the road users.")
 
 # %% [markdown]
-# Beyond the second dotted line there are few points left to save, but many road users left to lose. A circle also keeps house fronts. A box can leave them out.
+# Beyond the second dotted line, there are few points left to remove, but many road users left to lose. A circle also keeps house fronts. A box can leave them out.
 #
 # ## The idea: a region of interest
 #
@@ -396,7 +396,7 @@ fewest.compare(min(left, key=lambda name: left[name][0]),
 #
 # $$|y_p - \tfrac{1}{2} \kappa x_p^2| \le w / 2.$$
 #
-# The formula is good while $x$ is small compared with $R$. On a circle with a radius of 25 m, the middle is 9 cm too far to the right at 10 m ahead, and 2 m too far at 20 m.
+# The formula is good while $x$ is small compared with $R$. On a circle with a radius of 25 m, the formula puts the middle 9 cm too far to the right at 10 m ahead, and 2 m too far at 20 m.
 #
 # The function below keeps a straight lane. Change one line so that the lane bends. This task has no check. Of the three points in the last line of the cell, the first and the third should be left. In the picture, all blue points should be between the dashed lines.
 
@@ -586,7 +586,7 @@ show_table(["", "returns", "invalid", "nearest"],
 # | `np.linalg.norm(cloud[:, :3], axis=1)` | points just inside the circle vanish if they are far below the sensor, such as the child in front of the lorry |
 # | `np.linalg.norm(cloud, axis=1)` | the same points vanish, and a few more; if intensities reach 255, nearly all points vanish |
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, whose corners are 41 % too far away |
-# | `x**2 + y**2 <= r` | hardly anything, because the radius is 3.2 m instead of 10 m, and most returns that near come from the ego car |
+# | `x**2 + y**2 <= r` | hardly anything, because the radius is 3.2 m instead of 10 m, and most returns within 3.2 m come from the ego car |
 # | `any` instead of `all` | nearly everything, because most heights are inside the region |
 
 # %% tags=["folded"]
@@ -620,11 +620,11 @@ drive_with(6) if is_written(crop_region) else print(
     "crop_region is not written, or has not passed its check.")
 
 # %% [markdown]
-# With 6 m to either side, the car brakes with 9 m to go. Now try `drive_with(1.6)`. The region still contains the whole lane, so why does the car hit the child? Then find the narrowest region that is wide enough. Can you beat 2.5 m?
+# With 6 m to either side, the car brakes with 9 m to go. Now try `drive_with(1.6)`. The region still contains the whole lane, so why does the car hit the child? Then find the narrowest region that is wide enough, in steps of 10 cm. Can you beat 2.5 m?
 #
 # <details><summary>An answer</summary>
 #
-# With 1.6 m, the car sees the child only when the child is almost in the lane. With 2.5 m, the car brakes after 7.1 s with 8 m to go, which is early enough. With 2.2 m, it brakes 0.3 s later with 5 m to go, which is too late.
+# With 1.6 m, the car sees the child only when the child is almost in the lane. The narrowest region that is wide enough reaches 2.3 m to either side. With it, the car brakes after 7.2 s with 7 m to go, and does not hit the child. With 2.2 m or 1.6 m, the car brakes after 7.4 s with 5 m to go, which is too late.
 # </details>
 
 # %% [markdown] tags=["questions"]

@@ -59,7 +59,7 @@ print("labels:", present)
 print(f"car 10 is {length:.2f} m long and {width:.2f} m wide, and covers {length * width:.1f} m²")
 
 # %% [markdown]
-# Some numbers are missing from the printed list, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a driveway. Imagine a box around its points, with sides parallel to x and y.
+# In the picture, only the obstacles with the most points show their labels. Some numbers are missing from the printed list, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a driveway. Imagine a box around its points, with sides parallel to x and y.
 
 # %%
 area = predict("How many square metres will the box around car 10 cover?",
@@ -444,8 +444,11 @@ from_zero = np.vstack([cloud, np.zeros((len(present), 4))])
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.6), layout="compressed")
 plots.boxes(get_bounding_boxes(from_zero, np.concatenate([labels, present])), limits=street,
             cloud=cloud[labels > 0], axes=left, title="low = high = 0 at the start")
-plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30)),
-            cloud=cloud[::4], axes=right, title="also a box around label 0");
+wide = ((-95, 95), (-95, 45))
+with_noise = get_bounding_boxes(cloud, labels + 1)  # label 0 is now label 1
+plots.boxes(with_noise[1:], limits=wide, cloud=cloud[::4], axes=right, reference=True,
+            label="right boxes", title="also a box around label 0")
+plots.boxes(with_noise[:1], axes=right, label="wrong boxes");
 
 # %% [markdown]
 # ## Let it drive

@@ -9,7 +9,7 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from tests.lesson_texts import FOLLOWS_HINTS, kept_function, run_statements_for, source_of
-from utils import load_cloud
+from utils import load_cloud, plots
 from utils.datasets import DATA
 from utils.drive import askew, chain, drive_street, on_time
 from utils.plots import corners
@@ -124,6 +124,25 @@ def test_boxes_contain_their_clusters(boxes):
         assert not ((box.min(axis=0) <= 0) & (box.max(axis=0) >= 0)).all(), (
             "no box contains the sensor"
         )
+
+
+def test_the_first_picture_names_only_the_obstacles_with_the_most_points():
+    near = run_statements_for("08_bounding_boxes", "street")["street"]
+    axes = plots.clusters(CLOUD[LABELS > 0], LABELS[LABELS > 0], names=True, limits=near)
+    named = {int(text.get_text()) for text in axes.texts if text.get_text().isdigit()}
+    plt.close(axes.figure)
+    counts = {label: np.count_nonzero(label == LABELS) for label in PRESENT}
+    largest = sorted(PRESENT, key=counts.get)[-len(named) - 3 :]
+    assert 5 < len(named) < len(PRESENT) / 2 and named <= set(largest)
+
+
+def test_the_box_around_label_0_reaches_beyond_all_others_but_not_to_the_frame():
+    given = run_statements_for("08_bounding_boxes", "wide")
+    with_noise, (across, up) = get_bounding_boxes(CLOUD, LABELS + 1), given["wide"]
+    low, high = with_noise[0].min(axis=0), with_noise[0].max(axis=0)
+    assert (with_noise[1:].min(axis=(0, 1)) > low).all()
+    assert across[0] + 10 < low[0] and high[0] < across[1] - 10
+    assert up[0] + 10 < low[1] and high[1] < up[1] - 10
 
 
 def test_more_circles_than_obstacles_reach_into_the_lane(boxes):

@@ -1,5 +1,7 @@
 """Tests of the statements in lesson 09, with an answer that follows its hints."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -141,6 +143,42 @@ def test_each_minimum_removes_a_third_of_the_people_within_its_distance(lesson_r
         removed = within & (lesson_run.size < minimum)
         assert removed.sum() > 0.3 * within.sum()
         assert lesson_run.in_view[removed].mean() < 0.2
+
+
+def test_distant_people_do_not_reach_the_distances_of_the_theory_where_the_street_falls(lesson_run):
+    far = (lesson_run.kind == "pedestrian") & lesson_run.in_view & (lesson_run.distance > 25)
+    assert (lesson_run.size[far] >= 5).sum() == 1  # the table says "up to 66.2 m" and "46.8 m"
+    assert (lesson_run.size[far] >= 10).sum() == 0
+    reaches = [np.sqrt(lesson_run.theory(1.0) / minimum) for minimum in (5, 10, 30)]
+    assert (np.array(reaches) > 25).tolist() == [True, True, True]
+
+
+def test_puffs_have_10_points_on_average(lesson_run):
+    assert lesson_run.size_of_puff.mean() == pytest.approx(10, abs=0.5)
+    assert lesson_run.size_of_puff.min() == 1 and lesson_run.size_of_puff.max() > 50
+
+
+def test_a_minimum_that_falls_with_the_distance_keeps_as_many_people_and_ghosts_as_stated(
+    lesson_run,
+):
+    text = find_lesson(NAME).source.read_text("utf-8")
+    function = re.search(r"def minimum_at.*?# change this line\n", text, re.S)[0]
+    assert function.count("return 100 + 0 * distance  # change this line") == 1
+    (answer,) = re.findall(r"Write `(return 100 \* [^`]*)`", text)
+    namespace = {}
+    exec(function.replace("return 100 + 0 * distance  # change this line", answer), namespace)
+    distance, size = lesson_run.distance, lesson_run.size
+    person, ghost = (lesson_run.kind == kind for kind in ("pedestrian", "ground"))
+    near = distance < 15
+    assert ((person & near).sum(), (person & ~near).sum()) == (69, 201)
+    fixed, falling = size >= 10, size >= namespace["minimum_at"](distance)
+    groups = ghost, person & near, person & ~near
+    assert [(falling & group).sum() for group in groups] == [203, 42, 73]
+    assert [(fixed & group).sum() for group in groups] == [40, 67, 66]
+    assert [((size >= 100) & group).sum() for group in groups][::2] == [0, 0]
+    assert distance[falling & ghost].min() > 30
+    assert namespace["minimum_at"](np.array([30.0])) < 12
+    assert not lesson_run.in_view[person & near & ~falling].any()
 
 
 def test_a_list_gets_a_note(lesson_run):

@@ -16,7 +16,7 @@ from grader.judging.runner import limited_cpu_time
 from grader.lms.autograded_copy import build_copy
 from tests.lesson_texts import run_statements_for
 from utils import load_cloud
-from utils.checks.core import notes_of, run_check
+from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.lesson_10.accelerated import _seconds_to_find_neighbours
 
 NAME = "10_accelerated_clustering"
@@ -34,6 +34,7 @@ GIVEN = (
     "smallest_distance",
     "as_numbers",
     "spring_the_trap",
+    "with_other_colours",
 )
 LESSON = load_reference(
     NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "letters", "after_two_steps"
@@ -313,7 +314,7 @@ def test_joining_without_measuring_acts_like_a_larger_threshold(obstacles):
     pairs, _ = LESSON.join_cheaply(obstacles, cells, np.zeros(len(cells), int), 0.5)
     joined = LESSON.components(len(cells), pairs).max() + 1
     small, large = (
-        LESSON.euclidean_clustering_accelerated(obstacles, threshold) for threshold in (0.85, 0.65)
+        LESSON.euclidean_clustering_accelerated(obstacles, threshold) for threshold in (0.85, 0.75)
     )
     assert small.max() < joined < large.max()
 
@@ -339,6 +340,51 @@ def test_an_order_mistaken_for_ranks_gets_a_note():
     notes = notes_of("euclidean_clustering_accelerated")
     failed = {note.name for note in notes if run_check(note, clustering).failure}
     assert failed == {"numbers_by_appearance"}
+
+
+def test_gaps_that_the_exact_step_leaves_get_only_notes():
+    def clustering(cloud, threshold=0.5):
+        points = cloud[:, :3]
+        if len(points) == 0:
+            return np.zeros(0, dtype=int)
+        cells, first, cell_of_point = LESSON.points_in_cells(points, threshold)
+        pairs, label = LESSON.join_cheaply(points, cells, first, threshold)
+        return (
+            LESSON.join_exactly(points, cell_of_point, pairs, label, threshold)[cell_of_point] + 1
+        )
+
+    name = "euclidean_clustering_accelerated"
+    assert not [check.name for check in checks_of(name) if run_check(check, clustering).failure]
+    failed = {note.name for note in notes_of(name) if run_check(note, clustering).failure}
+    assert failed == {"leaves_no_gaps", "numbers_by_appearance"}
+
+
+def test_representatives_alone_tear_other_clusters_in_a_moved_cloud(obstacles, right_labels):
+    def torn(points):
+        _, first, cell_of_point = LESSON.points_in_cells(points, 0.5)
+        label = LESSON.join_all_pairs(points[first])[cell_of_point]
+        parts = np.unique(np.stack([right_labels, label]), axis=1)[0]
+        return set(np.flatnonzero(np.bincount(parts) > 1).tolist())
+
+    before = torn(obstacles)
+    for move in ([0.1, 0, 0], [0, 0.1, 0]):
+        after = torn(obstacles + move)
+        assert len(before & after) > 10 and before - after and after - before
+
+
+def test_a_torn_part_gets_a_colour_that_is_not_used_near_it(obstacles, right_labels):
+    """Seven colours are used in turn. The lesson draws this end of the street."""
+    x, y, _ = obstacles.T
+    seen = (x > 20) & (x < 40) & (np.abs(y) < 7)
+    points, whole = obstacles[seen, :2], right_labels[seen] + 1
+    parts = LESSON.after_two_steps(obstacles)[0][seen]
+    labels = LESSON.with_other_colours(points, whole, parts)
+    new = np.unique(labels[labels != whole])
+    assert len(new) > 3 and len(np.unique(labels)) == len(np.unique(parts))
+    for label in new:
+        chosen = labels == label
+        away = np.linalg.norm(points - np.median(points[chosen], axis=0), axis=1)
+        assert away[~chosen & (labels % 7 == label % 7)].min(initial=99) > 4.5
 
 
 def test_same_clusters_compares_both_ways():

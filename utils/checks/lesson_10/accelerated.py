@@ -89,8 +89,8 @@ def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> Non
     _NAME,
     weight=8,
     title="Gives N clusters the labels 1 to N",
-    why='Later lessons use 0 for "no obstacle" and take the largest label as the number of '
-    "obstacles.",
+    why='Later lessons use 0 for "no obstacle", and a later cell prints the largest label as the '
+    "number of clusters.",
     hint="Add 1 to the ranks, or to the result of components. Both start at 0.",
 )
 def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
@@ -456,8 +456,8 @@ def has_integer_labels(euclidean_clustering_accelerated: Callable) -> None:
 @note_check(
     _NAME,
     title="Numbers the clusters without gaps",
-    why="Later lessons take the largest label as the number of obstacles. When the exact step "
-    "joins two pieces, one number is no longer used. Number the clusters again at the end.",
+    why="The docstring asks for the labels 1 to N. When the exact step joins two pieces, one "
+    "number is no longer used. Number the clusters again at the end.",
 )
 def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     cloud, _ = _touching_rods()

@@ -22,6 +22,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.core import visible_check
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 
 # At this threshold a cell is 1 m wide.
@@ -172,6 +173,49 @@ def keeps_the_points_unchanged(points_in_cells: Callable) -> None:
     assert_arguments_unchanged(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
 
 
+def _cell_of_each_point(
+    points_in_cells: Callable, points: np.ndarray, threshold: float
+) -> np.ndarray:
+    """Return the cell of each point according to the student, shape (n, 3)."""
+    cells, _, cell_of_point = points_in_cells(points, threshold)
+    return np.asarray(cells, dtype=float)[np.asarray(cell_of_point)]
+
+
+def _prediction_of_cells(side: float = 1 / np.sqrt(3), rounding: Callable = np.floor) -> Callable:
+    """Return the prediction for cells with another side, in thresholds, or another rounding."""
+    return lambda right, points, threshold: rounding(points / (side * threshold))
+
+
+declare_mistakes(
+    "points_in_cells",
+    Mistake(
+        "The code rounds -0.4 to 0, perhaps with .astype(int).",
+        _prediction_of_cells(rounding=np.trunc),
+        "Use np.floor, which also rounds down below zero.",
+    ),
+    Mistake(
+        "The code rounds to the nearest whole number, so it rounds 0.6 to 1.",
+        _prediction_of_cells(rounding=np.round),
+        "Use np.floor, which rounds 0.6 down to 0.",
+    ),
+    Mistake(
+        "The side of a cell is the threshold, so two points in one cell may be 1.7 times the "
+        "threshold apart.",
+        _prediction_of_cells(side=1.0),
+        "Make the side threshold / np.sqrt(3), so that the diagonal equals the threshold.",
+    ),
+    Mistake(
+        "The side of a cell is threshold / sqrt(2), which is right only in the plane.",
+        _prediction_of_cells(side=1 / np.sqrt(2)),
+        "Make the side threshold / np.sqrt(3), because the diagonal of a cube is side * "
+        "np.sqrt(3).",
+    ),
+    cases=((SEVEN_POINTS, WIDE_THRESHOLD), (SEVEN_POINTS, 0.5), (SEVEN_POINTS[:, ::-1], 2.5)),
+    right=lambda points, threshold: np.floor(points / (threshold / np.sqrt(3))),
+    call=_cell_of_each_point,
+)
+
+
 # ---- step 2 ------------------------------------------------------------------------------------
 
 # Six points in the first cell, then one point in each of three cells, each of them two cells
@@ -306,3 +350,49 @@ def joins_a_row_of_pieces(join_exactly: Callable) -> None:
         "of neighbouring cells are 1.2 m apart up to the fourth cell, threshold √3 m"
     )
     _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), input_text)
+
+
+# Six cells in a row, one point in each, in two pieces: cells 0 to 2 and cells 3 to 5. The only open
+# pair is the last pair, so no later pair can relabel a forgotten cell.
+_SIX_POINTS = frozen(np.outer(np.arange(6) + 0.5, np.eye(3)[0]))
+_SIX_PAIRS = frozen(np.array([[0, 1], [1, 2], [3, 4], [4, 5], [2, 3]]))
+_SIX_CASES = tuple(
+    (_SIX_POINTS, np.arange(6), pairs, label, WIDE_THRESHOLD)
+    for pairs in (_SIX_PAIRS, _SIX_PAIRS[:, ::-1])
+    for label in (np.repeat([0, 1], 3), np.repeat([4, 2], 3))
+)
+
+
+def _prediction_of_one_cell(changed: int) -> Callable:
+    """Return the prediction for code that relabels only cell i (0) or j (1) of the open pair."""
+
+    def predict(right: np.ndarray, *case: object) -> np.ndarray:
+        _, _, pairs, label, _ = case
+        label = label.copy()
+        label[pairs[-1, changed]] = label[pairs[-1, 1 - changed]]
+        return label
+
+    return predict
+
+
+def _is_same_partition(answer: object, predicted: np.ndarray) -> bool:
+    shared, yours, expected = count_overlaps(as_labels(answer, len(predicted)), predicted)
+    return shared == yours == expected
+
+
+declare_mistakes(
+    "join_exactly",
+    Mistake(
+        "Only cell j gets the new label, and the rest of its piece keeps the old one.",
+        _prediction_of_one_cell(1),
+        "Relabel the whole piece of j: label[label == label[j]] = label[i].",
+    ),
+    Mistake(
+        "Only cell i gets the new label, and the rest of its piece keeps the old one.",
+        _prediction_of_one_cell(0),
+        "Relabel the whole piece of j instead: label[label == label[j]] = label[i].",
+    ),
+    cases=_SIX_CASES,
+    right=lambda points, cell_of_point, pairs, label, threshold: np.zeros(6, dtype=int),
+    is_same=_is_same_partition,
+)
