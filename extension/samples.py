@@ -50,7 +50,7 @@ def obstacles_of_street(seed: int, n: int) -> np.ndarray:
 
 @cached_by_content
 def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Return the right labels for `euclidean_clustering` from scikit-learn, shape (n,)."""
+    """Return correct labels for `euclidean_clustering`, computed with scikit-learn, shape (n,)."""
     from sklearn.cluster import DBSCAN
 
     if not len(cloud):

@@ -233,7 +233,7 @@ def is_graders_fault(failure):
 
 
 class Recorder:
-    """Wraps a right function and records the arguments of its calls."""
+    """Wraps a correct function and records the arguments of its calls."""
 
     def __init__(self, function):
         self.function, self.calls = function, []
@@ -281,7 +281,7 @@ class CheckRunner:
         return self.check_calls()
 
     def record_times(self, function):
-        """Record how long each check call takes for a right function, to set time limits."""
+        """Record how long each check call takes for a correct function, to set time limits."""
         for number, check_call in enumerate(self.check_calls_for(function)):
             start = time.process_time()
             with cached_run():

@@ -125,7 +125,7 @@ def message(points=POINTS, circle=None, request=0.5):
 
 
 @pytest.fixture
-def widget(board):
+def send_to_widget(board):
     """Return a function that sends a message to a new widget, and returns the answers it sends."""
     from utils.by_hand.widget import HandWidget
 
@@ -139,9 +139,9 @@ def widget(board):
     return send
 
 
-def test_each_message_is_answered_once_at_its_own_positions(widget):
+def test_each_message_is_answered_once_at_its_own_positions(send_to_widget):
     moved = [*POINTS[:2], [2.0, 0.5]]
-    first, second = widget(above_zero, message(request=0.25), message(moved, request=0.75))
+    first, second = send_to_widget(above_zero, message(request=0.25), message(moved, request=0.75))
     assert (first["request"], second["request"]) == (0.25, 0.75)
     assert (first["points"], second["points"]) == (POINTS, moved)
     assert (first["shapes"]["title"], second["shapes"]["title"]) == ("1 above", "2 above")
@@ -157,27 +157,27 @@ def test_the_browser_gets_the_board(board):
     assert sent["still"] == "still-7" and sent["colours"]["blue"] == BLUE
 
 
-def test_a_function_gets_the_circle(widget, board):
+def test_a_function_gets_the_circle(send_to_widget, board):
     seen = []
     round_board = Board(board.limits, board.points, (0.0, 0.0, 1.0))
-    widget(
+    send_to_widget(
         lambda *circle: seen.append(circle) or Drawing(), message(circle=[1, 2, 3]), on=round_board
     )
     assert seen == [(1.0, 2.0, 3.0)]
 
 
-def test_all_points_can_be_removed(widget):
-    (answer,) = widget(above_zero, message([]))
+def test_all_points_can_be_removed(send_to_widget):
+    (answer,) = send_to_widget(above_zero, message([]))
     assert answer["problem"] == "" and answer["shapes"]["groups"] == []
 
 
-def test_an_exception_is_described_and_later_messages_are_answered(widget):
+def test_an_exception_is_described_and_later_messages_are_answered(send_to_widget):
     def draw(points):
         if points[2, 1] > 0:
             return [][len(points)]
         return above_zero(points)
 
-    answers = widget(draw, message([*POINTS[:2], [2, 1]]), message())
+    answers = send_to_widget(draw, message([*POINTS[:2], [2, 1]]), message())
     assert answers[0]["problem"].startswith("draw raised IndexError: list index out of range (line")
     assert answers[0]["shapes"] == {}
     assert (answers[1]["problem"], answers[1]["shapes"]["title"]) == ("", "1 above")
@@ -192,18 +192,18 @@ def test_an_exception_is_described_and_later_messages_are_answered(widget):
     ],
     ids=repr,
 )
-def test_each_kind_of_exception_becomes_a_sentence(widget, error, sentence):
+def test_each_kind_of_exception_becomes_a_sentence(send_to_widget, error, sentence):
     def draw(points):
         raise error
 
-    (answer,) = widget(draw, message())
+    (answer,) = send_to_widget(draw, message())
     assert answer["problem"].startswith(sentence)
 
 
-def test_a_result_that_is_not_a_drawing_or_does_not_fit_is_described(widget):
-    (nothing,) = widget(lambda points: None, message())
+def test_a_result_that_is_not_a_drawing_or_does_not_fit_is_described(send_to_widget):
+    (nothing,) = send_to_widget(lambda points: None, message())
     assert "AttributeError" in nothing["problem"]
-    (short,) = widget(lambda points: Drawing(labels=[1]), message())
+    (short,) = send_to_widget(lambda points: Drawing(labels=[1]), message())
     assert "one entry per point" in short["problem"]
 
 
@@ -212,8 +212,8 @@ def test_a_function_cannot_move_the_points(board):
     assert board.points.tolist() == POINTS
 
 
-def test_printed_text_and_banners_do_not_leave_the_function(widget, capsys):
-    widget(lambda points: print("hello") or Drawing(), message())
+def test_printed_text_and_banners_do_not_leave_the_function(send_to_widget, capsys):
+    send_to_widget(lambda points: print("hello") or Drawing(), message())
     assert capsys.readouterr().out == ""
 
 

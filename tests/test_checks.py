@@ -585,7 +585,8 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
     names = [exercise.name for exercise in lesson.machine_graded]
     functions = {name: overwrite_arguments(getattr(reference, name), read_only) for name in names}
     if hasattr(reference, "KdTree"):
-        for name, function in functions.items():  # the lesson's class looks up its methods there
+        # The methods of the lesson's KdTree call the functions of this module.
+        for name, function in functions.items():
             monkeypatch.setitem(vars(reference), name, function)
         functions["KdTree"] = reference.KdTree
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)

@@ -169,7 +169,7 @@ def changes_last(values):
 
 
 def change_argument(right, given, argument):
-    """Return the right function with a side effect on one of its arguments."""
+    """Return the correct function with a side effect on one of its arguments."""
     position = list(given).index(argument)
 
     def function(*arguments, **named):

@@ -545,7 +545,8 @@ def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill_file
     paths._folder.cache_clear()
     collect_from(course, "anna", "Participant_312", "312")
     collect_from(course, "björn", "Participant_311", "311")
-    for student in ("mary jane", "cmd"):  # a team has no participant number of its own
+    # A team of two: its number, 313, is not the participant number of either student.
+    for student in ("mary jane", "cmd"):
         collect_from(course, student, "Participant_313", "313")
     moodle_site = moodle_course(blind=True)
     exported = fill_file(moodle_site, marks())

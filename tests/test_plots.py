@@ -499,7 +499,8 @@ def test_pruned_regions_are_the_largest_without_a_visited_node():
     root = balanced_tree(QUIZ)
     axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, [7, 0, 3], limits=(-10, 10, -10, 10))
     hatched = [patch for patch in axes.patches if patch.get_hatch() and patch.get_width()]
-    # The pruned regions: right of the root, above node 0 in the left half, left of node 3's cut.
+    # The pruned regions: right of the root, above node 0 in the left half, and
+    # right of node 3's cut.
     lowers = np.array([patch.get_xy() for patch in hatched])
     sizes = np.array([(patch.get_width(), patch.get_height()) for patch in hatched])
     assert sizes.prod(axis=1).max() == pytest.approx(9.8 * 20)

@@ -373,7 +373,7 @@ def test_an_edit_of_a_line_that_raised_is_tried_first(passing_edits):
 def test_raising_lines_include_the_line_of_the_call():
     inside = StudentError("f", "ValueError", place="code cell 3, line 12")
     called = StudentError(
-        "f", "ValueError", place="code cell 1, line 2", calling="code cell 3, line 5"
+        "f", "ValueError", place="code cell 1, line 2", call_place="code cell 3, line 5"
     )
     without_place = StudentError("f", "ValueError")
     outcomes = outcomes_of("line_through", inside, called, without_place, FAIL, None)

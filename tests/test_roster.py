@@ -33,7 +33,7 @@ def test_there_is_no_roster_without_a_file(course):
     assert read_roster(course) is None
 
 
-def test_each_person_is_read_in_the_order_of_the_file(course):
+def test_people_are_read_in_the_order_of_the_file(course):
     people = read(course, CLASS).people
     assert [person.id for person in people] == [
         "yan",

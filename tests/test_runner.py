@@ -576,7 +576,7 @@ def test_all_runs_with_one_budget_share_the_limit_on_failed_comparisons(make_les
 
 
 def test_only_failed_checks_use_up_the_time_for_failed_calls(make_lesson):
-    """A right function keeps its full time limit, even if it is slow."""
+    """A correct function keeps its full time limit, even if it is slow."""
     budget = Budget(Limits())
 
     class SlowStudent(RecordingStudent):

@@ -65,7 +65,7 @@ def entered_root(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_root, tmp_path):
-    """Return a course to which Ada submitted two lessons, one worth 0 points, and Bob one."""
+    """Return a course in which Ada submitted two lessons, one with a score of 0, and Bob one."""
     shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")

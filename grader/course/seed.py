@@ -12,7 +12,7 @@ from grader.errors import UserError
 MIN_SEED = 2**64
 
 
-class SmallSeed(UserError):
+class SeedTooSmall(UserError):
     """The seed is so small that students could guess it; `str()` is the sentence to show."""
 
 
@@ -33,7 +33,7 @@ def course_seed(course: Course, requested_seed: int | None = None) -> int:
 
     Raises
     ------
-    SmallSeed
+    SeedTooSmall
         If the seed is less than `MIN_SEED`.
     """
     if requested_seed is not None:
@@ -54,7 +54,7 @@ def course_seed(course: Course, requested_seed: int | None = None) -> int:
 def _require_large_seed(seed: int, remedy: str) -> int:
     if seed < MIN_SEED:
         suggested_seed = secrets.randbits(127) | MIN_SEED
-        raise SmallSeed(
+        raise SeedTooSmall(
             f"The seed {seed} is so small that students could guess it and predict every hidden "
             f"test. {remedy} to let the grader draw a seed, or use this one: {suggested_seed}"
         )

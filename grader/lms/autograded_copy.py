@@ -171,7 +171,7 @@ def write_verdict(notebook: NotebookNode, verdict: Verdict) -> None:
 
 
 def verdict_key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> str | None:
-    """Return the key of the verdict shown by an autograded copy; None if there is no copy."""
+    """Return the key of the verdict shown by an autograded copy; None if it has none."""
     path = course.autograded / student / stage / f"{lesson_name}.ipynb"
     try:
         return json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]

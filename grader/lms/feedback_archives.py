@@ -45,7 +45,7 @@ class FeedbackArchive:
 def build_moodle_archive(
     course: Course, stage: str, all_feedback: Sequence[Feedback]
 ) -> FeedbackArchive:
-    """Build a page for each student, for Moodle's *Upload multiple feedback files in a zip*.
+    """Build an archive of pages for Moodle's *Upload multiple feedback files in a zip*.
 
     Moodle finds a participant by the number in ``{name}_{number}_assignsubmission_file_{file}``. A
     team also has a number, which may be another student's participant number. A student has a
@@ -75,7 +75,7 @@ def build_moodle_archive(
 def build_canvas_archive(
     course: Course, stage: str, all_feedback: Sequence[Feedback]
 ) -> FeedbackArchive:
-    """Build a notebook for each submitted notebook, for Canvas's *Upload Submissions*.
+    """Build an archive with feedback on each submitted file, for Canvas's *Upload Submissions*.
 
     Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
     feedback the same name. For a submitted zip, the feedback is a zip that contains the page.

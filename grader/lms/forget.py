@@ -175,7 +175,8 @@ def _remove_from_gradebook(course: Course, student: str) -> None:
     with open_gradebook(course) as book:
         book.remove_student(student)
     url = make_url(database_url(course))
-    if url.drivername == "sqlite":  # otherwise, deleted text stays in unused parts of the file
+    if url.drivername == "sqlite":
+        # Until then, deleted text stays in unused parts of the file.
         with contextlib.closing(sqlite3.connect(url.database)) as database:
             database.execute("vacuum")
 

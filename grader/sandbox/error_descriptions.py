@@ -57,7 +57,7 @@ SENTENCES = (
 def describe_error(error: StudentError) -> str:
     """Return a sentence that says which exception a function raised, and where."""
     where = _quote_place(error.place, error.line)
-    if error.call_place:  # the caller may have passed wrong arguments to a right function
+    if error.call_place:  # the caller may have passed wrong arguments to a correct function
         where = f"{_quote_place(error.call_place, error.call_line)}, which calls {where}"
     return f"{error.function} raised {_type_and_message(error)}{where and f' ({where})'}."
 

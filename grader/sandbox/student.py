@@ -88,7 +88,9 @@ class RemoteFunction(RemoteProxy):
     def each(self, calls: Sequence[Sequence]) -> list:
         """Return the results of several calls that share one message and one call's time limit."""
         return (
-            self._student._call_or_get(self.__name__, calls, reference=self._reference, each=True)
+            self._student._call_or_get(
+                self.__name__, calls, reference=self._reference, many_calls=True
+            )
             if calls
             else []
         )
@@ -234,11 +236,12 @@ class StudentProxy:
         reference: _Reference | None = None,
         call: bool = True,
         observe: bool = False,
-        each: bool = False,
+        many_calls: bool = False,
     ) -> object:
         """Call a function or a method of a remote object, or get an attribute.
 
-        With `each`, return a list of plain results, or raise the first exception.
+        With `many_calls`, make all calls and return a list of plain results, or raise the first
+        exception. Otherwise, `calls` contains at most one call.
         """
         self._check_exists(name, reference)
         if call:
@@ -253,11 +256,11 @@ class StudentProxy:
             "keywords": keywords or {},
             "object": reference and reference.number,
             "observe": observe,
-            "each": each,
+            "each": many_calls,
         }
         reply = self._reply_to(request)
         result = self._parse_result(reply, name, reference, call)
-        if each and (not isinstance(result, list) or len(result) != len(calls)):
+        if many_calls and (not isinstance(result, list) or len(result) != len(calls)):
             self._stop_for_wrong_reply(name)
         self._remember(reply.get("nearby"))
         if not call:

@@ -15,7 +15,7 @@ from extension import samples
 from grader import cli, commands
 from grader.course.lessons import load_reference
 from grader.course.paths import Course
-from grader.course.seed import SmallSeed, course_seed
+from grader.course.seed import SeedTooSmall, course_seed
 from grader.judging.hidden_tests import generator_for_students
 from grader.judging.runner import run_checks
 from tests.students import student_with
@@ -146,7 +146,7 @@ def test_a_short_seed_is_refused(seed, tmp_path, monkeypatch, capsys):
     offered = int(message.split()[-1])
     assert course_seed(course, offered) == offered
     course.seed_file.write_text(f"{seed}\n")
-    with pytest.raises(SmallSeed, match="Remove .course_seed"):
+    with pytest.raises(SeedTooSmall, match="Remove .course_seed"):
         course_seed(course)
 
 

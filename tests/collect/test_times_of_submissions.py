@@ -138,7 +138,7 @@ def test_each_lesson_has_its_own_time_until_a_time_is_written_by_hand(course):
     assert [record.file_time(path) for path in paths] == [None, None]
 
 
-def test_the_time_of_files_that_were_not_collected_counts(course):
+def test_the_time_of_files_that_nbgrader_collected_counts(course):
     """A file that nbgrader collected earlier determines the stage's time if its time is later."""
     stage_folder(course).mkdir(parents=True)
     (stage_folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))

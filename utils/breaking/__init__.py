@@ -92,7 +92,7 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
 
 
 def _judge_cloud(puzzle: Puzzle, function: Callable, letter: str, points: ArrayLike | None) -> str:
-    """Return one line that says whether a cloud distinguishes a version from the right function."""
+    """Return a line that says whether a cloud tells a version from the correct function."""
     if points is None:
         return "… no cloud yet."
     try:

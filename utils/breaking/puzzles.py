@@ -1,6 +1,6 @@
 """Broken versions of a student's functions; this file contains no solutions.
 
-A version calls the student's own right function with other arguments, or changes its answer.
+A version calls the student's own correct function with other arguments, or changes its answer.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Version:
     Attributes
     ----------
     answer : callable
-        Takes the right function and a cloud; returns the broken answer.
+        Takes the correct function and a cloud; returns the broken answer.
     description : str
         A description of the fault, shown once a student has found it.
     smallest_row_count : int
@@ -41,7 +41,7 @@ class Puzzle:
     Attributes
     ----------
     answer_of : callable
-        Takes the right function and a cloud; returns the right answer.
+        Takes the correct function and a cloud; returns the right answer.
     comparable : callable
         Converts an answer to an array that is equal for equivalent answers.
     draw : callable

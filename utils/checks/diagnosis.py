@@ -169,7 +169,7 @@ class Imitation:
 
 
 def imitation_of(exercise: str, mistake: Mistake, right: Callable) -> Imitation | None:
-    """Build a function that makes only this mistake, from a right function.
+    """Build a function that makes only this mistake, from a correct function.
 
     Parameters
     ----------

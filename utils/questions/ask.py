@@ -19,7 +19,7 @@ from utils.checks.limits import TimeUp
 from utils.checks.waiting_cells import has_passed, print_waiting
 from utils.display import show
 from utils.lent.stubs import own
-from utils.questions.cases import cases_of, exercises_with_cases, shown_code, value_of
+from utils.questions.cases import cases_of, exercises_with_cases, shown_code, value_phrase
 from utils.questions.choices import arrange, distractors, with_first
 from utils.questions.texts import NOTATION, is_easy, is_value, same_answer
 from utils.questions.versions import OWN_SECONDS, Versions
@@ -74,7 +74,7 @@ def predict(versions: Versions, random: Random) -> Iterator[Card]:
             )
             texts = ["Right. The notebook ran these lines, and this is the value." if text == right
                      else wrong for text in arranged[0]]  # fmt: skip
-            question = f"What is {value_of(code)}?"
+            question = f"What is {value_phrase(code)}?"
             yield Card(number, question, "", "", shown_code(code), *arranged, tuple(texts))
 
 
@@ -98,7 +98,7 @@ def what_if(versions: Versions, random: Random) -> Iterator[Card]:
             yield Card(
                 number,
                 f"Suppose that you change line {change.line} of the cell with your function as "
-                f"shown here. What is {value_of(code)} then?",
+                f"shown here. What is {value_phrase(code)} then?",
                 change.before,
                 change.after,
                 shown_code(code),

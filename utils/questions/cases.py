@@ -72,8 +72,8 @@ def _shared_definitions(codes: Sequence[str]) -> str:
     return next((text for text in texts[::-1] if all(c.startswith(text) for c in codes)), "")
 
 
-def value_of(code: str) -> str:
-    """Return the phrase for the value of a case in a question."""
+def value_phrase(code: str) -> str:
+    """Return the words with which a question refers to the value of a case."""
     is_long = "\n" in code.strip()
     return "the value of the last line below" if is_long else "the value of this expression"
 

@@ -8,7 +8,7 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit
 from grader.questions.kinds.wording import lines_with_verb
 from grader.questions.question import OutcomeClaim, Question
-from utils.questions.cases import shown_code, value_of
+from utils.questions.cases import shown_code, value_phrase
 from utils.questions.choices import arrange, distractors, with_first
 from utils.questions.texts import ERROR, TRIVIAL_ERRORS, is_value, same_answer
 
@@ -36,7 +36,7 @@ def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Questio
             if arranged:
                 yield Question(
                     "necessary",
-                    f"{lines_with_verb(edit)} deleted. What is {value_of(case.code)} now?",
+                    f"{lines_with_verb(edit)} deleted. What is {value_phrase(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
                     f"Without the deletion, the value is `{own}`.",

@@ -7,7 +7,7 @@ from random import Random
 
 from grader.questions.answer import Behaviour
 from grader.questions.question import OutcomeClaim, Question
-from utils.questions.cases import shown_code, value_of
+from utils.questions.cases import shown_code, value_phrase
 from utils.questions.choices import arrange, distractors
 from utils.questions.texts import is_value
 
@@ -22,7 +22,7 @@ def prediction_questions(behaviour: Behaviour, random: Random) -> Iterator[Quest
         if is_value(right) and arranged:
             yield Question(
                 case.kind if case.asked else "predict",
-                case.asked or f"What is {value_of(case.code)}?",
+                case.asked or f"What is {value_phrase(case.code)}?",
                 shown_code(case.code),
                 *arranged,
                 "The other choices are results of the same code with one small change.",

@@ -9,7 +9,7 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit, Run
 from grader.questions.kinds.wording import quote_code
 from grader.questions.question import OutcomeClaim, Question
-from utils.questions.cases import shown_code, shown_together, value_of
+from utils.questions.cases import shown_code, shown_together, value_phrase
 from utils.questions.choices import arrange, distractors, in_rounds, with_first
 from utils.questions.texts import adds_nan, is_easy, is_value, reversed_vector, same_answer
 
@@ -39,7 +39,7 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
             yield Question(
                 "what if",
                 f"Line {edit.first} becomes {quote_code(edit.shown)}. What is "
-                f"{value_of(case.code)} now?",
+                f"{value_phrase(case.code)} now?",
                 shown_code(case.code),
                 *arranged,
                 f"Without the change, the value is {quote_code(own)}.",

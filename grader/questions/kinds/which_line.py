@@ -8,7 +8,7 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit
 from grader.questions.kinds.wording import quote_code
 from grader.questions.question import CountClaim, OutcomeClaim, Question
-from utils.questions.cases import Case, shown_code, value_of
+from utils.questions.cases import Case, shown_code, value_phrase
 from utils.questions.choices import MAX_CHOICES, MIN_CHOICES, arrange
 from utils.questions.shown_values import is_selection
 from utils.questions.texts import (
@@ -63,7 +63,7 @@ def _symptom_questions(behaviour: Behaviour, number: int, random: Random) -> Ite
             outcomes = {edit: edits[edit] for edit in (right, *wrong)}
             yield Question(
                 "which line",
-                f"One line of your code was changed. Now {value_of(case.code)} is `{symptom}` "
+                f"One line of your code was changed. Now {value_phrase(case.code)} is `{symptom}` "
                 f"instead of `{own}`. Which change was made?",
                 shown_code(case.code),
                 *arranged,

@@ -357,7 +357,7 @@ def joins_a_row_of_pieces(join_exactly: Callable) -> None:
 _SIX_POINTS = frozen(np.outer(np.arange(6) + 0.5, np.eye(3)[0]))
 _SIX_PAIRS = frozen(np.array([[0, 1], [1, 2], [3, 4], [4, 5], [2, 3]]))
 _SIX_CASES = tuple(
-    (_SIX_POINTS, np.arange(6), pairs, label, WIDE_THRESHOLD)
+    (_SIX_POINTS, frozen(np.arange(6)), frozen(pairs), frozen(label), WIDE_THRESHOLD)
     for pairs in (_SIX_PAIRS, _SIX_PAIRS[:, ::-1])
     for label in (np.repeat([0, 1], 3), np.repeat([4, 2], 3))
 )
