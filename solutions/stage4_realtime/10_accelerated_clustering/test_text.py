@@ -268,7 +268,7 @@ def test_the_time_to_list_and_join_all_pairs_grows_faster_and_faster(obstacles):
     sizes = 500, 2000, 8000, len(points)
     times = [LESSON.seconds_of(LESSON.join_all_pairs, points[:n]) for n in sizes]
     slopes = np.diff(np.log(times)) / np.diff(np.log(sizes))
-    assert slopes[0] < 1.5 < slopes[-1] < 2.5
+    assert slopes[0] < 1.5 < slopes[-1] < 3  # about 2 on an idle machine
 
 
 @pytest.mark.slow
