@@ -77,61 +77,39 @@ def grade_course(
     grader.classroom.lock.AlreadyRunning
     """
     with course_lock(course):
-        return _grade_with_lock(
-            course,
-            requested_stages,
-            seed,
-            sandbox,
-            workers,
-            warning,
-            scheduler,
-            student,
-            restore,
+        start_time = time.perf_counter()
+        try:
+            judged, stored_count = _judge_all(
+                course, requested_stages, seed, sandbox, workers, scheduler, student
+            )
+        except (RehearsalFailed, ExecutorLost) as error:
+            print(console.printable_lines(error), file=sys.stderr)
+            return FAULT
+        seconds = time.perf_counter() - start_time
+        if not judged:
+            print(
+                f"There is no notebook in {course.submitted}/{student or '<student>'}/<stage>/. "
+                "Run: python -m grader collect ARCHIVE --stage STAGE",
+                file=sys.stderr,
+            )
+            return USAGE_ERROR
+        status = _enter_marks(course, judged, requested_stages or stages(), student, restore)
+        unjudged_files = unaccounted_files(course)
+        # If the user named a student or a stage, `judged` contains only a part of the class.
+        reported = read_verdicts(course) if student or requested_stages else judged
+        results, now = class_results(course), len(judged) - stored_count
+        label = "" if scheduler else sandbox.label()
+        run = GradingRun(now, len(reported) - now, seconds, label)
+        path = write_report(
+            course, reported, results, run, warning or sandbox.warning, unjudged_files
         )
-
-
-def _grade_with_lock(
-    course: Course,
-    requested_stages: Sequence[str],
-    seed: int,
-    sandbox: Sandbox,
-    workers: int,
-    warning: str,
-    scheduler: str | None,
-    student: str | None,
-    restore: bool,
-) -> int:
-    start_time = time.perf_counter()
-    try:
-        judged, stored_count = _judge_all(
-            course, requested_stages, seed, sandbox, workers, scheduler, student
-        )
-    except (RehearsalFailed, ExecutorLost) as error:
-        print(console.printable_lines(error), file=sys.stderr)
-        return FAULT
-    seconds = time.perf_counter() - start_time
-    if not judged:
-        print(
-            f"There is no notebook in {course.submitted}/{student or '<student>'}/<stage>/. Run: "
-            "python -m grader collect ARCHIVE --stage STAGE",
-            file=sys.stderr,
-        )
-        return USAGE_ERROR
-    status = _enter_marks(course, judged, requested_stages or stages(), student, restore)
-    unjudged_files = unaccounted_files(course)
-    # If the user named a student or a stage, `judged` contains only a part of the class.
-    reported = read_verdicts(course) if student or requested_stages else judged
-    results, now = class_results(course), len(judged) - stored_count
-    label = "" if scheduler else sandbox.label()
-    run = GradingRun(now, len(reported) - now, seconds, label)
-    path = write_report(course, reported, results, run, warning or sandbox.warning, unjudged_files)
-    if student:
-        _print_student(course, student, judged, results)
-    else:
-        _print_class(course, judged, results, unjudged_files)
-    _print_summary(course, len(judged), stored_count, seconds, label)
-    print(f"Report: {path}")
-    return status
+        if student:
+            _print_student(course, student, judged, results)
+        else:
+            _print_class(course, judged, results, unjudged_files)
+        _print_summary(course, len(judged), stored_count, seconds, label)
+        print(f"Report: {path}")
+        return status
 
 
 def _judge_all(

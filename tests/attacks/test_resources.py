@@ -98,7 +98,7 @@ EMPTY_FILES = """
 import ctypes, os, time
 def f(folder, hide):
     if hide:
-        ctypes.CDLL(None).prctl(4, 0)  # PR_SET_DUMPABLE: nobody can read its folders in /proc
+        ctypes.CDLL(None).prctl(4, 0)  # PR_SET_DUMPABLE hides its folders in /proc
     with __import__("contextlib").suppress(OSError):
         for number in range(300_000):
             os.close(os.open(f"{folder}/{number}", os.O_CREAT | os.O_WRONLY))

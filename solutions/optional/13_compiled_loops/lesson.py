@@ -160,7 +160,7 @@ if ready(count_near):
 # - A variable cannot be a number in one place and `None` in another.
 # - Use arrays, numbers and tuples. You cannot use your own objects or `cKDTree`.
 # - Functions that you call also need `@njit`.
-# - Compiled code keeps the outside variables and functions that it saw. If you change a function, rerun the cells of all functions that call it.
+# - Compiled code keeps the outside variables and functions that existed when it was compiled. If you change a function, rerun the cells of all functions that call it.
 #
 # **The first call is slow.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk. A car must not compile when the first pedestrian appears, so it calls every function once before it drives.
 #
@@ -379,18 +379,18 @@ def ascending(numbers):
     return order
 
 # %% [markdown]
-# **Write `begins_of`.** A group is a series of equal successive values. The function finds the runs of points, and later the cells in the sorted runs. In the list below, groups begin at 0, 3 and 5, and the list has 6 values. So the answer is 0, 3, 5 and 6.
+# **Write `starts_of`.** A group is a series of equal successive values. The function finds the runs of points, and later the cells in the sorted runs. In the list below, groups begin at 0, 3 and 5, and the list has 6 values. So the answer is 0, 3, 5 and 6.
 
 # %%
-def begins_of(values):
+def starts_of(values):
     """Return where each group of equal successive values begins; the last number is n."""
-    begins = [0]
+    starts = [0]
     # Go through the rows from 1. If a value differs from the value before it, append its row.
     # roughly 3 lines
-    return [*begins, len(values)]
+    return [*starts, len(values)]
 
 
-print("begins:", begins_of([7, 7, 7, 2, 2, 7]), "  expected: [0, 3, 5, 6]")
+print("starts:", starts_of([7, 7, 7, 2, 2, 7]), "  expected: [0, 3, 5, 6]")
 
 # %% [markdown]
 # <details><summary>An answer</summary>
@@ -398,11 +398,11 @@ print("begins:", begins_of([7, 7, 7, 2, 2, 7]), "  expected: [0, 3, 5, 6]")
 # ```python
 #     for i in range(1, len(values)):
 #         if values[i] != values[i - 1]:
-#             begins.append(i)
+#             starts.append(i)
 # ```
 # </details>
 #
-# The next cell replaces your function with a compiled one that stores the begins in an array. It sorts runs instead of single points, because a run in `cloud.txt` has four points on average.
+# The next cell replaces your function with a compiled one that stores the starts in an array. It sorts runs instead of single points, because a run in `cloud.txt` has four points on average.
 
 # %% tags=["folded"]
 # @title Sort runs of points into cells (you need not read this)
@@ -418,15 +418,15 @@ def cell_range(values, side):
 
 
 @njit
-def begins_of(values):
+def starts_of(values):
     """Return where each group of equal successive values begins; the last number is n."""
-    begins, count = np.empty(len(values) + 1, np.int64), 0
+    starts, count = np.empty(len(values) + 1, np.int64), 0
     for i in range(len(values)):
         if i == 0 or values[i] != values[i - 1]:
-            begins[count] = i
+            starts[count] = i
             count += 1
-    begins[count] = len(values)
-    return begins[:count + 1]
+    starts[count] = len(values)
+    return starts[:count + 1]
 
 
 @njit(nogil=True)
@@ -454,14 +454,14 @@ def sort_by_cell(points, side):
         y = np.int64(np.floor(points[i, 1] / side) - low_y)
         z = np.int64(np.floor(points[i, 2] / side) - low_z)
         number[i] = x * next_x + y * next_y + z
-    begins = begins_of(number)
-    number = number[begins[:-1]]
+    run_starts = starts_of(number)
+    number = number[run_starts[:-1]]
     order = ascending(number)
     runs = np.empty((len(order), 2), np.int64)
     for i in range(len(order)):
-        runs[i, 0], runs[i, 1] = begins[order[i]], begins[order[i] + 1]
+        runs[i, 0], runs[i, 1] = run_starts[order[i]], run_starts[order[i] + 1]
     number = number[order]
-    starts = begins_of(number)
+    starts = starts_of(number)
     return order, runs, starts, number[starts[:-1]], next_x, next_y
 
 # %% [markdown]
@@ -471,8 +471,8 @@ def sort_by_cell(points, side):
 
 # %% tags=["folded"]
 # @title Draw the columns and the pointer (you need not read this)
-figure, (above, beside) = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed", facecolor="white",
-                                       gridspec_kw={"width_ratios": (1, 1.2)})
+figure, (above, profile) = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed",
+                                        facecolor="white", gridspec_kw={"width_ratios": (1, 1.2)})
 
 
 def draw_cell(axes, x, y, colour="white", text=""):
@@ -495,20 +495,20 @@ first_column, second_column = (0, 1, 3, 4, 6, 8), (0, 1, 2, 4, 5, 7, 8)  # heigh
 now = 4
 window = [height for height in second_column if abs(height - now) <= 2]
 for height in first_column:
-    draw_cell(beside, 0, height, "#E69F00" if height == now else "white", str(height))
+    draw_cell(profile, 0, height, "#E69F00" if height == now else "white", str(height))
 for height in second_column:
-    draw_cell(beside, 3, height, "#56B4E9" if height in window else "white", str(height))
+    draw_cell(profile, 3, height, "#56B4E9" if height in window else "white", str(height))
 for height in window:
-    beside.plot([0.5, 2.5], [now, height], color="#57606A", lw=1, zorder=0)
-beside.add_patch(plt.Rectangle((2.4, now - 2.5), 1.2, 5, fill=False, edgecolor="#D55E00", ls="--", lw=1.6))
-beside.annotate("pointer", (3.65, window[0]), (4.4, window[0]), va="center", fontsize=11,
-                arrowprops={"arrowstyle": "-|>", "color": "#D55E00"}, color="#1B1F24")
-beside.text(3.75, now + 2, "window:\nfive cells", va="center", fontsize=11, color="#1B1F24")
-beside.text(-0.65, now, "cell", ha="right", va="center", fontsize=11, color="#1B1F24")
-beside.set(xlim=(-2, 6), ylim=(-0.9, 8.9), xticks=[0, 3], xticklabels=["first column", "second column"],
-           ylabel="z (cells)")
-beside.set_title("From the side: two columns", loc="left", fontsize=12, fontweight="bold", pad=6)
-for axes in (above, beside):
+    profile.plot([0.5, 2.5], [now, height], color="#57606A", lw=1, zorder=0)
+profile.add_patch(plt.Rectangle((2.4, now - 2.5), 1.2, 5, fill=False, edgecolor="#D55E00", ls="--", lw=1.6))
+profile.annotate("pointer", (3.65, window[0]), (4.4, window[0]), va="center", fontsize=11,
+                 arrowprops={"arrowstyle": "-|>", "color": "#D55E00"}, color="#1B1F24")
+profile.text(3.75, now + 2, "window:\nfive cells", va="center", fontsize=11, color="#1B1F24")
+profile.text(-0.65, now, "cell", ha="right", va="center", fontsize=11, color="#1B1F24")
+profile.set(xlim=(-2, 6), ylim=(-0.9, 8.9), xticks=[0, 3], xticklabels=["first column", "second column"],
+            ylabel="z (cells)")
+profile.set_title("From the side: two columns", loc="left", fontsize=12, fontweight="bold", pad=6)
+for axes in (above, profile):
     axes.spines[["top", "right"]].set_visible(False)
 
 # %% [markdown]
@@ -594,8 +594,8 @@ def numbered(parent, order, runs, starts):
 def join_by_first_points(parent, first, numbers, next_x, next_y, limit):
     """Join cells whose first points are close; return the other pairs of neighbours."""
     column, still_open = numbers // next_y, [(0, 0)]
-    begins = begins_of(column)
-    column = column[begins[:-1]]
+    starts = starts_of(column)
+    column = column[starts[:-1]]
     for x in range(3):  # columns of the same x, of the next x, and of the one after it
         for cell in range(len(parent)):  # make each cell point at its root
             parent[cell] = root_of(parent, cell)
@@ -607,8 +607,8 @@ def join_by_first_points(parent, first, numbers, next_x, next_y, limit):
             other = max(other_first, mine)
             while other < len(column) and column[other] <= middle + 2:
                 step = (column[other] - column[mine]) * next_y
-                b_first, b_end = begins[other], begins[other + 1]
-                for a in range(begins[mine], begins[mine + 1]):
+                b_first, b_end = starts[other], starts[other + 1]
+                for a in range(starts[mine], starts[mine + 1]):
                     while b_first < b_end and numbers[b_first] < numbers[a] + step - 2:
                         b_first += 1
                     b = max(b_first, a + 1)

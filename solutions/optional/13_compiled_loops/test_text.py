@@ -110,13 +110,13 @@ def test_each_column_of_cells_is_apart_from_the_next(python_functions):
     assert upper[0] - lower[-1] > 2  # no cell of the next column is within two steps along z
 
 
-def test_the_tiny_case_and_the_answer_of_begins_of_are_right():
+def test_the_tiny_case_and_the_answer_of_starts_of_are_right():
     (answer,) = re.findall(r"# ```python\n((?:#     .*\n)+)# ```\n# </details>", TEXT)
     loop = answer.replace("# ", "", answer.count("# "))
-    (values,) = re.findall(r'print\("begins:", begins_of\((\[.*?\])\)', TEXT)
-    names = {"values": ast.literal_eval(values), "begins": [0]}
+    (values,) = re.findall(r'print\("starts:", starts_of\((\[.*?\])\)', TEXT)
+    names = {"values": ast.literal_eval(values), "starts": [0]}
     exec(textwrap.dedent(loop), names)
-    expected = [*names["begins"], len(names["values"])]
+    expected = [*names["starts"], len(names["values"])]
     assert f"expected: {expected}" in TEXT
     assert "groups begin at 0, 3 and 5" in TEXT and expected == [0, 3, 5, 6]
 

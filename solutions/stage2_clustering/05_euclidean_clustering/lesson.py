@@ -375,7 +375,7 @@ parted = predict("Is there a threshold that keeps the two people apart and the c
                  choices=["yes, a small one", "yes, a large one", "no"])
 
 # %% [markdown]
-# **Count in one line.** Lesson 09 drops clusters of fewer than ten points. How many clusters are left at each of these three thresholds? `np.bincount(found)` returns the number of points with each label, starting with label 0. Replace the question mark.
+# **Count in one line.** Clusters of a few points are often spray or noise, so lesson 09 drops small clusters. How many clusters have at least ten points at each of these three thresholds? `np.bincount(found)` returns the number of points with each label, starting with label 0. Replace the question mark.
 
 # %%
 for threshold in (0.3, 0.5, 0.7):

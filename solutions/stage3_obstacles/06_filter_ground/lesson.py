@@ -330,7 +330,7 @@ print("a number for each row:", as_numbers(cells), "  different ones:", differen
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
-# Row (3, 2) becomes 7: its difference from the smallest entries, 0 and 1, is (3, 1), and 3 · 2 + 1 = 7. (The 2 is the number of possible second entries.) `np.unique(cells, axis=0, ...)` does the same without `as_numbers`, but is slower.
+# Row (3, 2) becomes 7. Its difference from the smallest entries, 0 and 1, is (3, 1), and 3 · 2 + 1 = 7. (The 2 is the number of possible second entries.) `np.unique(cells, axis=0, ...)` does the same without `as_numbers`, but is slower.
 #
 # These numbers have no meaning of their own. Rows 0, 2 and 3 have the first number, so they are of kind 0. Row 1 has the second number, so it is of kind 1. Suppose that each row has a price, and that we want the sum of the prices of each kind. There is a trap:
 

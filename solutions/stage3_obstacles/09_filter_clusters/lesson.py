@@ -552,9 +552,9 @@ drive_with(10) if is_written(filter_clusters) else print(
 # </details>
 
 # %% [markdown]
-# **By hand.** With 40, the car spares the cyclist, but a person has fewer points. Below, a person stands in the road, and two cars are parked on our right. Drag the ringed person. At each place, the simulator makes one new scan with the scanner of the drive, and the given steps thin it out and cluster it. Your `filter_clusters`, here with a minimum of 30, decides whether the person has a box. The title counts the returns that hit the person, and the points of the person's cluster after thinning.
+# **By hand.** A minimum of 40 is small enough for the cyclist, but a person has fewer points. Below, a person is in the road, and two cars are parked on our right. Drag the ringed person. At each place, the simulator makes one new scan with the scanner of the drive, and the given steps thin it out and cluster it. Your `filter_clusters`, here with a minimum of 30, decides whether the person has a box. The title counts the returns that hit the person, and the points of the person's cluster after thinning.
 #
-# Where in our lane does the person have no box? Now try other minima, such as `drag_person(40)`. What is the largest minimum, in steps of 10, with which the person has a box wherever the car must brake? Then drive through this street with `drive_past(30)`. The person stands where you left them.
+# Where in our lane does the person have no box? Now try other minima, such as `drag_person(40)`. What is the largest minimum, in steps of 10, with which the person has a box wherever the car must brake? Then drive through this street with `drive_past(30)`. The person is where you left them.
 #
 # <details><summary>An answer</summary>
 #

@@ -7,9 +7,10 @@ import shapely
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson, load_reference
 from grader.judging.judge import judge
-from utils.checks import check, checks_of
-from utils.checks.core import ChecksFailed, run_check
-from utils.checks.diagnosis import diagnose, known_mistakes
+from tests.ungraded_steps import assert_mistakes_have_answers, assert_notes_hold, failures_of
+from utils.checks import check
+from utils.checks.core import ChecksFailed
+from utils.checks.diagnosis import diagnose
 
 LESSON = find_lesson("11_pca_boxes")
 NAME = "smallest_rectangle_yaw"
@@ -24,13 +25,8 @@ def function_of(variant):
     return namespace[NAME]
 
 
-def failures_of(function):
-    outcomes = [run_check(check, function) for check in checks_of(NAME)]
-    return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
-
-
 def test_the_step_has_checks_and_gives_no_points():
-    assert LESSON.steps == (NAME,) and NAME not in {one.name for one in LESSON.exercises}
+    assert LESSON.steps == (NAME,) and NAME not in {exercise.name for exercise in LESSON.exercises}
     assert LESSON.source.read_text("utf-8").count(f"\ncheck({NAME})\n") == 1
     right = [variant.right for variant in ANSWERS]
     assert sum(right) >= 5 and len(right) - sum(right) >= 8
@@ -38,34 +34,21 @@ def test_the_step_has_checks_and_gives_no_points():
 
 def test_the_solution_passes():
     step = getattr(REFERENCE, NAME)
-    assert not failures_of(step) and diagnose(NAME, step) is None
+    assert not failures_of(NAME, step) and diagnose(NAME, step) is None
 
 
 @pytest.mark.parametrize("variant", [pytest.param(variant, id=variant.name) for variant in ANSWERS])
 def test_kept_answers_pass_or_fail_as_claimed(variant):
     function = function_of(variant)
-    failed = failures_of(function)
-    if variant.right:
-        assert not failed and diagnose(NAME, function) is None
-        return
-    assert set(variant.loses) <= set(failed), sorted(failed)
-    assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
-    messages = " ".join(f"{one.failure.message} {one.failure.hint} {one.check.hint}"
-                    for one in failed.values())  # fmt: skip
-    assert variant.says in messages, messages
-    mistake = diagnose(NAME, function)
-    assert bool(mistake) == bool(variant.told), mistake
-    assert variant.told in (mistake.description if mistake else "")
+    assert_notes_hold(variant, failures_of(NAME, function), diagnose(NAME, function))
 
 
 def test_every_known_mistake_has_a_kept_answer():
-    claims = [variant.told for variant in ANSWERS if variant.told]
-    for mistake in known_mistakes(NAME):
-        assert any(words in mistake.description for words in claims), mistake.description
+    assert_mistakes_have_answers(NAME, ANSWERS)
 
 
 def test_an_index_is_shown_as_an_angle_in_radians(capsys):
-    (index,) = (one for one in ANSWERS if one.name == "the index of the smallest area")
+    (index,) = (kept for kept in ANSWERS if kept.name == "the index of the smallest area")
     with pytest.raises(ChecksFailed):
         check(function_of(index))
     shown = capsys.readouterr().out
@@ -108,5 +91,5 @@ def test_boxes_earn_all_points_with_the_step_or_without_it(calls, sandbox, tmp_p
     path.write_text(
         fill_in(LESSON, {"get_oriented_boxes": boxes} | ({NAME: right} if calls else {})), "utf-8"
     )
-    judged = {one.name: one for one in judge(path, 7, sandbox).exercises}
+    judged = {result.name: result for result in judge(path, 7, sandbox).exercises}
     assert judged["get_oriented_boxes"].score == 20 and NAME not in judged

@@ -470,7 +470,7 @@ drive_with() if is_written(detect_obstacles) else print(
 #
 # <details><summary>An answer</summary>
 #
-# It depends on your detector. With the course's, 45 is safe. With 50, the cyclist has a box only 1.2 s before the collision, at 17 km/h. Lesson 09 gave 40 for another chain.
+# It depends on your detector. With the course's, 45 is safe. With 50, the cyclist first has a box 1.2 s before the car hits them at 17 km/h. Lesson 09 gave 40 for another chain.
 # </details>
 #
 # There are twenty streets, with people who step off the kerb, hills, rain and a dirty bonnet. Save this notebook, and drive through all of them, which takes about a quarter of an hour:
