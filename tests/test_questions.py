@@ -286,6 +286,21 @@ def test_each_right_answer_has_five_verified_questions_of_three_kinds(
             assert not any(same_answer(a, b) for a, b in pairs), question
 
 
+@pytest.mark.slow
+def test_fewer_edits_of_an_answer_that_makes_many_calls_are_tried(sandbox):
+    source = (
+        "def horizontal_distance(cloud):\n"
+        "    squares = [row[0] ** 2 + row[1] ** 2 for row in cloud]\n"
+        "    delay = sum(abs(number) for number in range({}))\n"
+        "    return [square**0.5 + 0 * delay for square in squares]\n"
+    )
+    edits = [
+        len(observe(answer_with("horizontal_distance", source.format(calls)), sandbox).edited)
+        for calls in (10, 20_000)
+    ]
+    assert 10 < 2 * edits[1] < edits[0]
+
+
 def test_the_time_limit_of_an_answer_is_below_the_promised_time():
     assert MAX_CPU_SECONDS < SECONDS
 

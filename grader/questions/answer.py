@@ -27,9 +27,10 @@ from utils.questions.texts import outcome_text, outcome_texts, same_answer, valu
 OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
 TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
-# Fewer edits of a long answer are tried, because running each of its versions takes longer. This is
-# the largest number of edits times the number of lines.
-MAX_EDITED_LINES = 2500
+# Fewer edits of a slow answer are tried, so that its questions take a few seconds. This is the
+# largest number of edits times the number of function calls in all cases. Unlike seconds, it leads
+# to the same questions on every machine.
+MAX_CALLS = 6_000_000
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 # Functions of `numpy.linalg` with results that students cannot compute on paper.
 DECOMPOSITION = re.compile(r"\b(svd|eigh?)\b")
@@ -168,11 +169,14 @@ class Run:
         How often each listed line runs.
     notes : tuple of (int, str, str)
         Line, variable and value after each statement that changes a variable.
+    calls : int
+        Number of functions that were called; 0 for an edited version.
     """
 
     outcome: str = ""
     counts: dict[int, int] = None
     notes: tuple[tuple[int, str, str], ...] = ()
+    calls: int = 0
 
     def values(self, line: int, name: str) -> list[str]:
         """Return the values of a variable after each run of a line."""
@@ -260,7 +264,7 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
         (own,) = _runs(student.run_cases([None], codes, []), number_of) or [()]
         own = (*own, *[Run(counts={})] * (len(codes) - len(own)))
         edits = _edits(lines, number_of, description.get("edits"))
-        count = min(MAX_EDITS, MAX_EDITED_LINES // max(len(lines), 1))
+        count = min(MAX_EDITS, MAX_CALLS // max(sum(run.calls for run in own), 1))
         edits = in_rounds(edit for edit in edits if edit.is_plausible)[:count]
         deletions = _edits(lines, number_of, description.get("deletions"))
         watched = list(_watched(own, lines))
@@ -387,7 +391,10 @@ def _run(reply: dict, number_of: dict[tuple[int, int], int]) -> Run:
         and (row[0], row[1]) in number_of
         and _is_name(row[2])
     )
-    return Run(outcome_text(reply.get("outcome")), counts, notes)
+    calls = reply.get("calls")
+    return Run(
+        outcome_text(reply.get("outcome")), counts, notes, calls if isinstance(calls, int) else 0
+    )
 
 
 def _watched(own: Sequence[Run], lines: tuple[ListedLine, ...]) -> Iterator[list]:

@@ -26,6 +26,8 @@ MAX_STEPS = 10_000
 """Number of statements after which a small case counts as endless."""
 MAX_SECONDS = 0.3
 """Processor seconds after which a small case counts as endless, even if it runs few statements."""
+MAX_OWN_SECONDS = 1.0
+"""The same limit for the student's own version, whose calls are counted, which takes longer."""
 MAX_NOTES = 400
 DECOMPOSITIONS = 2
 """Number of other choices of singular vectors and eigenvectors to try."""
@@ -472,7 +474,10 @@ class _Recorder:
         self.reset()
 
     def reset(self) -> None:
-        self.counts, self.notes = collections.Counter(), []
+        self.counts, self.notes, self.calls = collections.Counter(), [], 0
+
+    def count_call(self, frame: object, event: str, argument: object) -> None:
+        self.calls += event in ("call", "c_call")
 
     def step(self, cell: int, line: int) -> None:
         self.counts[cell, line] += 1
@@ -522,9 +527,15 @@ def _run(code: str, seeds: tuple, recorder: _Recorder) -> dict:
     runs = []
     for seed in seeds:
         recorder.reset()
-        outcome = _outcome(code, seed)
+        if recorder.watches_all:
+            sys.setprofile(recorder.count_call)
+            outcome = _outcome(code, seed, MAX_OWN_SECONDS)
+            sys.setprofile(None)
+        else:
+            outcome = _outcome(code, seed)
         counts = [[*place, count] for place, count in recorder.counts.items()]
-        runs.append({"outcome": outcome, "counts": counts, "notes": recorder.notes})
+        run = {"outcome": outcome, "counts": counts, "notes": recorder.notes}
+        runs.append({**run, "calls": recorder.calls})
     first = runs[0]
     if not all(_are_equal(run["outcome"], first["outcome"]) for run in runs):
         first["outcome"] = ["varies"]
@@ -535,12 +546,12 @@ def _run(code: str, seeds: tuple, recorder: _Recorder) -> dict:
     return first
 
 
-def _outcome(code: str, seed: int) -> list:
+def _outcome(code: str, seed: int, seconds: float = MAX_SECONDS) -> list:
     """Return the outcome of a case: a value, the name of an exception, or "endless"."""
     namespace = {**_namespace(), "np": np, "rng": seed}
     try:
         *statements, last = ast.parse(code).body
-        with _time_limit():
+        with _time_limit(seconds):
             exec(compile(ast.Module(statements, []), "<case>", "exec"), namespace)
             value = eval(compile(ast.Expression(last.value), "<case>", "eval"), namespace)
         return ["value", plain_value(value)]
@@ -552,12 +563,12 @@ def _outcome(code: str, seed: int) -> list:
 
 
 @contextlib.contextmanager
-def _time_limit() -> Iterator[None]:
+def _time_limit(seconds: float) -> Iterator[None]:
     def stop(*signal_and_frame: object) -> None:
         raise _TooManySteps
 
     signal.signal(signal.SIGVTALRM, stop)
-    signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS, MAX_SECONDS)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds, seconds)
     try:
         yield
     finally:
