@@ -20,7 +20,7 @@
 # - process a hundred thousand points with one line of NumPy instead of a loop, and measure how much faster that line is,
 # - remove the rows of a scan that are not real points.
 #
-# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time), in two sittings of 40 and 30 minutes. **You need** basic Python. The lesson explains the NumPy it uses.
+# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time), in two sittings of 40 and 35 minutes. **You need** basic Python. The lesson explains the NumPy it uses.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -457,7 +457,7 @@ show_table(["a ring at", "the next beam's ring"],
 # The gaps in the table grow faster than the distance, although the upper beams, which reach far, are closer together than the lower ones. A distant pedestrian therefore gets only a few points.
 
 # %% [markdown]
-# **A good place to stop.** You can measure the distance of every point. Save the notebook. The second sitting takes 30 minutes. When you come back, first run all the cells above this one.
+# **A good place to stop.** You can measure the distance of every point. Save the notebook. The second sitting takes 35 minutes. When you come back, first run all the cells above this one.
 
 # %% [markdown]
 # ## Why no loop?

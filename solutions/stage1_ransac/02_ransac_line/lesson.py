@@ -31,7 +31,7 @@
 # %% [markdown]
 # ## Twenty points, half of them wrong
 #
-# A laser scanner looks around at the height of your knee. Seen from above, each [return](#Words-of-the-course) is a point (x, y) in metres. A wall gives a straight, slightly rough row of points. People, a bicycle and a litter bin in front of it give points as well.
+# A laser scanner looks around at the height of your knee. Seen from above, each [return](#Words-of-the-course) is a point (x, y) in metres, with x forward and y to the left. A wall gives a straight, slightly rough row of points. People, a bicycle and a litter bin in front of it give points as well.
 #
 # We make such points ourselves, so that we know the answer. Ten are near the line y = x, each moved by up to 0.6 m in x and in y. They are the [inliers](#Words-of-the-course). The other ten, the *outliers*, can be anywhere.
 

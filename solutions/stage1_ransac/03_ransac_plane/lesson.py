@@ -313,7 +313,7 @@ all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
                   "usually does not happen, but in fifty rounds it happens several times.")
 
 # %% [markdown]
-# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers, which we call the *largest* plane. It assumes only that this plane is the ground.
+# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers, which we call the *largest* plane. The only assumption is that this plane is the ground.
 #
 # ## Exercise 3 · `ransac_plane` (points)
 #
@@ -645,7 +645,7 @@ def fit_plane(points):
 print(np.round(fit_plane(floor), 2))
 
 # %% [markdown]
-# **Look before you check.** For each of thirty seeds, we compute three slopes. The first belongs to the plane through three points, and the second to the least-squares plane of all its inliers. The third belongs to a new fit to the points within 0.1 m of the second plane. The fourth printed line, "inliers on the ground", is explained after the check.
+# **Look before you check.** For each of thirty seeds, we compute three slopes. The first belongs to the plane through three points, and the second to the least-squares plane of all its inliers. The third belongs to a new fit to the points within 0.1 m of the second plane. The fourth printed line, "inliers on the ground", is explained after the check. Each line shows the mean and, after ±, the standard deviation. All four means should be near 2.2 %, the slope of the simulated street.
 
 # %%
 BUILT = 2.2  # per cent

@@ -190,6 +190,8 @@ def test_refitted_slopes_scatter_less_but_stay_biased(street):
     scatter = {name: np.std(values) for name, values in slopes.items()}
     assert scatter["all inliers"] < scatter["three points"] / 3
     assert max(slopes["all inliers"]) < 2.2
+    # The text says that all four means are near the true slope.
+    assert list(mean.values()) == pytest.approx([2.2] * 4, abs=0.3)
     # The text says that planes through three points are biased more than twice as much on average.
     assert 2.2 - mean["three points"] > 2 * (2.2 - mean["all inliers"])
     # The answer to the prediction is that averaging does not remove the bias.

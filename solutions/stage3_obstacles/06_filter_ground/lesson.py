@@ -309,7 +309,7 @@ show_what_is_left({"every fifth": by_skipping})
 #
 # The brackets mean *round down*, even below zero, so $\lfloor -0.2 \rfloor = -1$. Points with the same three whole numbers are in the same cell. We replace them by their mean in all columns, the *centroid*.
 #
-# `np.unique` lists the different numbers in an array and counts them. It also returns, for each entry of the array, its position in that list. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
+# `np.unique` lists the different numbers in an array and counts them. It also returns, for each entry of the array, its position in that list. A cell is three numbers, so the function `as_numbers` below first turns each row into one number.
 
 # %% tags=["folded"]
 # @title Turn each row into one number (you need not read this)
