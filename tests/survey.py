@@ -250,6 +250,19 @@ def silence():
         yield
 
 
+@contextlib.contextmanager
+def fixed_random_numbers():
+    """Give each generator without a seed the same one, so that a survey can be repeated."""
+    make = np.random.default_rng
+    np.random.default_rng = lambda seed=None: make(SEED if seed is None else seed)
+    np.random.seed(SEED)
+    random.seed(SEED)
+    try:
+        yield
+    finally:
+        np.random.default_rng = make
+
+
 class CheckRunner:
     """Runs an exercise's checks on functions, starting with those that are likely to fail."""
 
@@ -391,7 +404,7 @@ def survey(exercise, answers, share=1):
     """Check all mutants of some answers, or a fixed sample of one in every `share` mutants."""
     runner = CheckRunner(exercise)
     found = SurveyResult(exercise)
-    with np.errstate(all="ignore"), silence():
+    with np.errstate(all="ignore"), silence(), fixed_random_numbers():
         for answer in answers:
             oracle = None
             runner.record_times(answer.function(answer.code()))

@@ -47,6 +47,9 @@ _NEAR = "near = np.minimum(local - local.min(axis=0), local.max(axis=0) - local)
 _SIDES = (
     "closeness to other sides: it finds another angle in few clusters, and in none of this seed"
 )
+_ABOVE_LOW = "above_low = along - along.min(axis=-1, keepdims=True)"
+_CLOSENESS = "return (1 / (nearest + 0.05)).sum(axis=-1)"
+_LARGER = "a worse fit: its boxes are larger, but with this seed not larger than the check permits"
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 KNOWN = {
@@ -110,6 +113,8 @@ KNOWN = {
         ): "an infinite intensity is returned as NaN: both mean that it is missing",
     },
     "detect_obstacles": {
+        (_ABOVE_LOW, _ABOVE_LOW.replace("min", "max")): _LARGER,
+        (_CLOSENESS, _CLOSENESS.replace("+", "-")): _LARGER,
         (_CROSS, "normal = np.cross(q / p, r - p)"): _LUCK,
         (_CROSS, "normal = np.cross(q - p, r / p)"): _LUCK,
         (_BETTER, _BETTER.replace(">", "!=")): _NOT_BEST,
