@@ -903,6 +903,8 @@ def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
 
 # %% [markdown]
 # To race against this detector, paste your `detect_obstacles` into the next cell, with all functions that it calls. The floors and roofs of the boxes should be the same. The yaws differ if your boxes are not the smallest rectangles.
+#
+# With Numba, the box of the lorry at (16, 4) leans by 15°. Its points form a thin L, and the smallest rectangle around a thin L can be at an angle (lesson 11). This is not your mistake.
 
 # %% tags=["earlier"]
 # Paste your detector from lesson 12 here, and the functions that it calls.
@@ -938,7 +940,16 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
 
 # %% [markdown]
 # A new frame comes only every 100 ms. You can use the remaining time for smaller voxels, or to compare two frames.
-#
+
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(unite)
+
+# %% [markdown]
 # ## In practice
 #
 # - Real detectors are compiled ahead of time, in C++ or CUDA.
@@ -1206,14 +1217,6 @@ if ready(root_of, unite, any_close):
 
 # %% [markdown]
 # **Sources.** [Numba: a LLVM-based Python JIT compiler](https://doi.org/10.1145/2833157.2833162) (Lam, Pitrou and Seibert 2015). Union-find with path halving: [Tarjan and van Leeuwen 1984](https://doi.org/10.1145/62.2160).
-
-# %% [markdown] tags=["questions"]
-# (questions)
-
-# %%
-from utils import ask_about
-
-ask_about(unite)
 
 # %% [markdown] tags=["footer"]
 # (footer)

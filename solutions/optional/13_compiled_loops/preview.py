@@ -1,4 +1,4 @@
-"""Preview of lesson 13: the clusters of a scan and the smallest rectangles around them."""
+"""Preview of lesson 13: the clusters of a scan and the closest rectangles around them."""
 
 import matplotlib.pyplot as plt
 import numpy as np

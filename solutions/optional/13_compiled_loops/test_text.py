@@ -267,6 +267,20 @@ def test_the_boxes_equal_those_of_lesson_12(python_functions):
 
 
 @pytest.mark.slow
+def test_the_box_of_the_lorry_leans_as_stated():
+    place, degrees = re.search(r"lorry at \((\d+, \d+)\) leans by (\d+)°", TEXT).groups()
+    boxes = by_smallest_rectangles(load_cloud("cloud.txt"))
+    (lorry,) = (
+        box
+        for box in boxes
+        if np.round(box.mean(axis=0)[:2]).tolist() == [int(number) for number in place.split(", ")]
+    )
+    sides = np.diff(lorry[:3], axis=0)[:, :2]
+    along = sides[np.linalg.norm(sides, axis=1).argmax()]
+    assert round(np.degrees(np.arctan(abs(along[1] / along[0])))) == int(degrees)
+
+
+@pytest.mark.slow
 def test_compiled_functions_give_the_same_results():
     pytest.importorskip("numba", reason=NUMBA)
     functions = load_reference(NAME, *FUNCTIONS)

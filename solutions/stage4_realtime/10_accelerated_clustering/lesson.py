@@ -802,7 +802,7 @@ axes.get_legend().remove()
 # %% [markdown]
 # <details><summary>An answer</summary>
 #
-# Write `limit = 0.2 + 0.02 * distance`. Only one of the five cars is still in pieces, but two cars now share a cluster. A growing threshold tears fewer distant cars, and joins more of them.
+# Write `limit = 0.2 + 0.02 * distance`. Only one of the five cars is still in pieces. One of its returns, at (56.0, 3.5), is now in the cluster of the car behind it, so two cars share a cluster. A growing threshold tears fewer distant cars, but it also joins some of them.
 # </details>
 #
 # ## The trap: two heaps

@@ -307,6 +307,12 @@ def test_a_growing_threshold_repairs_four_of_five_cars_and_joins_two():
     pieces = [set(labels[objects == car].tolist()) for car in cars]
     assert len(pieces) == 5 and sum(len(names) > 1 for names in pieces) == 1
     assert sum(any(a & b for b in pieces if b is not a) for a in pieces) == 2
+    assert pieces[2] & pieces[3] and "in the cluster of the car behind it" in text
+    stray = (objects == 119) & np.isin(labels, list(pieces[2]))
+    place = np.round(given["far_points"][stray, :2], 1).tolist()
+    assert place == [[56.0, 3.5]] and "at (56.0, 3.5)" in text
+    assert np.median(given["far_points"][objects == 119, 0]) < 56 - 1
+    assert np.median(given["far_points"][objects == 96, 0]) > 56 + 1
 
 
 def test_joining_without_measuring_acts_like_a_larger_threshold(obstacles):
