@@ -17,7 +17,7 @@ from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResul
 DEADLINES_FILE = "deadlines.toml"
 
 
-def counted_lessons(results: ClassResults) -> dict[str, str]:
+def counted_lesson_notes(results: ClassResults) -> dict[str, str]:
     """Return a sentence about the lessons that count in each stage, by stage."""
     stages: dict[str, dict[str, float]] = {}
     for result in results.notebooks:
@@ -105,7 +105,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         yield from _zone_notes(
             stage, results.of_student(stage.student), deadlines.zone if deadlines else None
         )
-        if deadlines and _is_granted(stage, deadlines):
+        if deadlines and _grants_more_time(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
@@ -181,7 +181,7 @@ def _format_lateness(late: timedelta) -> str:
     return f"{format_duration(late)} late" if late else "on time"
 
 
-def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:
+def _grants_more_time(stage: StageResult, deadlines: Deadlines) -> bool:
     """Return whether the gradebook grants more time than deadlines.toml."""
     due = deadlines.due_date(stage.student, stage.stage)
     return due is not None and stage.due is not None and stage.due > due
