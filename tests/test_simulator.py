@@ -68,7 +68,7 @@ def contains(solid, points):
     return np.linalg.norm(points - solid.centre, axis=-1) <= solid.radius
 
 
-# Solids
+# ---- solids --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -145,7 +145,7 @@ def test_poses_can_be_inverted_and_composed():
     assert_allclose(pose.then(other).apply(points), pose.apply(other.apply(points)))
 
 
-# Ground
+# ---- ground --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -208,7 +208,7 @@ def test_brightness_of_a_kerb_depends_on_the_angle_of_the_ray(yaw):
     assert cosine[0] == pytest.approx(abs(ray @ normal))
 
 
-# The scan
+# ---- the scan ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(5))

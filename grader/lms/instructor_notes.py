@@ -72,7 +72,7 @@ def outdated_mark_notes(results: ClassResults, stage: str) -> Iterator[str]:
 
 
 def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
-    """Yield a note about lessons of a stage that at most one of several students submitted."""
+    """Yield a note about lessons that no student, or only one of at least three, submitted."""
     students: dict[str, list[str]] = {}
     for result in results.notebooks:
         if result.stage == stage:
@@ -93,7 +93,7 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
 
 
 def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes about late work and enrolment that require a decision after grading."""
+    """Yield all notes about marks that an instructor sees after grading."""
     for stage in results.stages:
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
@@ -136,7 +136,7 @@ def unlisted_student_notes(results: ClassResults) -> Iterator[str]:
 
 
 def _shared_time_notes(results: ClassResults) -> Iterator[str]:
-    """Yield a sentence if lessons may be late only because of another lesson of their stage."""
+    """Yield a sentence for each stage in which one lesson's time may make another one late."""
     students_by_stage: dict[str, list[str]] = {}
     for stage in results.stages:
         submitted = [

@@ -56,7 +56,7 @@ class Studio:
         return write(image, scene.parts, camera, scene.title, scene.caption)
 
     def _depth(self) -> np.ndarray:
-        """Return the distance in metres (height, width) of each pixel; infinite for background."""
+        """Return the depth in metres (height, width) of each pixel; infinite for background."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkFloatArray
 

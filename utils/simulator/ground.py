@@ -92,7 +92,11 @@ class Ground:
         half = self.width / 2
 
         def meet(height: float, tilt: float, side: int, inner: float, outer: float) -> None:
-            """Add hits on the strip z = height + tilt * v, v = side * across in inner..outer."""
+            """Add hits on the strip z = height + tilt * aside, with `aside` from inner to outer.
+
+            Here, z is relative to the slope of the road, and `aside` is the distance from the
+            middle to this side.
+            """
             drop = climb - tilt * side * across
             reach = -(start_height - height - tilt * side * start_across) / drop
             aside = side * (start_across + reach * across)
