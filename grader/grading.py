@@ -23,7 +23,7 @@ from grader.errors import FAULT, SUCCESS, USAGE_ERROR
 from grader.judging.verdict import read_verdict
 from grader.lms.gradebook import gradebook_location
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
-from grader.lms.instructor_notes import counted_lessons, notes
+from grader.lms.instructor_notes import counted_lesson_notes, notes
 from grader.lms.mark_history import read_changes
 from grader.lms.report import GradingRun, write_report
 from grader.lms.results_reader import class_results
@@ -183,7 +183,7 @@ def _print_class(
     """Print the results of the class, and everything that needs attention."""
     roster = read_roster(course)
     console.print_class(judged, results)
-    for sentence in counted_lessons(results).values():
+    for sentence in counted_lesson_notes(results).values():
         print(sentence)
     console.print_unaccounted(unjudged_files)
     respelt = misspelt_folders(course, roster) if roster else ()

@@ -194,7 +194,7 @@ GERMAN = {
 
 @dataclass
 class Moodle:
-    """An assignment in Moodle; grades and comments are by participant number."""
+    """An assignment in Moodle; `grades` and `comments` are keyed by participant number."""
 
     students: list
     most: float

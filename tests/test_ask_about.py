@@ -258,7 +258,7 @@ def test_code_that_nobody_writes_is_not_a_change_to_ask_about(before, after):
     assert is_plausible(after, before) and is_plausible("x = y ** 2", "x = z ** 2")
 
 
-# The lessons.
+# ---- the lessons ---------------------------------------------------------------------------------
 
 
 def asked_in(lesson):

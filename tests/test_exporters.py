@@ -192,7 +192,7 @@ def test_marks_of_students_who_are_not_on_the_roster_are_reported():
         assert sentence.startswith("'ghost' has marks in the gradebook but is not on the roster")
 
 
-# Marks of one assignment
+# ---- marks of one assignment ---------------------------------------------------------------------
 
 
 def exported_marks(assignment, results=CLASS, **options):
@@ -261,7 +261,7 @@ def test_the_error_about_an_unknown_assignment_lists_all(name):
         exported_marks(name)
 
 
-# Paths of files
+# ---- paths of files ------------------------------------------------------------------------------
 
 
 def test_an_old_export_is_renamed_but_other_files_are_not_overwritten(tmp_path):
@@ -290,7 +290,7 @@ def test_an_old_export_is_renamed_but_other_files_are_not_overwritten(tmp_path):
     assert not list(tmp_path.rglob("*.part"))
 
 
-# The command
+# ---- the command ---------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -62,7 +62,7 @@ def behaviour(outcomes, own="5", lines=LINES, cases=CASES, **facts):
 OTHERS = {(2, f"    kept = {n}"): (str(n),) for n in range(6, 9)}
 
 
-# Values that the case shows.
+# ---- values that the case shows ------------------------------------------------------------------
 
 
 def test_the_values_of_a_case_are_its_literals_and_arrays():
@@ -142,7 +142,7 @@ def test_a_trace_offers_values_of_one_type():
     assert traced("[8]", "True", "None", "[[7]]") == []
 
 
-# Choices and results.
+# ---- choices and results -------------------------------------------------------------------------
 
 
 def test_wrong_choices_are_as_easy_as_the_right_one_and_of_its_type():
@@ -291,7 +291,7 @@ def test_definitions_that_all_calls_share_are_printed_once():
     assert shown_together({"a": case.code, "b": case.code}).count("cube = ") == 1
 
 
-# Singular vectors and eigenvectors.
+# ---- singular vectors and eigenvectors -----------------------------------------------------------
 
 
 def decompositions(name, matrix):
@@ -388,7 +388,7 @@ def test_a_question_says_if_all_signs_may_be_reversed(sandbox):
     assert not any(FREE_SIGNS in question.text for question in candidates(known, Random(1)))
 
 
-# The page.
+# ---- the page ------------------------------------------------------------------------------------
 
 
 def test_the_sheet_names_functions_of_the_lesson_that_it_does_not_print(tmp_path):

@@ -248,7 +248,7 @@ def test_a_teams_written_answer_is_graded_once(course):
     assert manual_mark(course, "cy")[:2] == (None, True), "not a member"
     assert manual_mark(course, "dee")[:2] == (None, True), "a member with another answer"
     assert enter_class(course) == []
-    enter_manual_mark(course, "bob", "write_up", 6.0)  # a member may have another mark
+    enter_manual_mark(course, "bob", "write_up", 6.0)  # a member may have a different mark
     assert enter_class(course) == []
     assert manual_mark(course, "ada")[0] == 7.5 and manual_mark(course, "bob")[0] == 6.0
     scores = {result.student: result.score for result in class_results(course).notebooks}

@@ -54,7 +54,7 @@ def fill_file(tmp_path):
     return fill_in
 
 
-# Canvas
+# ---- Canvas --------------------------------------------------------------------------------------
 
 
 def canvas_course(**settings):
@@ -438,7 +438,7 @@ def test_a_title_that_canvas_never_imports_is_reported(fill_file):
     assert course.scores[9001, 43] == 8.5
 
 
-# Moodle
+# ---- Moodle --------------------------------------------------------------------------------------
 
 
 def moodle_course(**settings):
@@ -594,7 +594,7 @@ def test_a_site_that_shows_whole_numbers_still_imports_fractions(fill_file):
     assert course.grades[311] == 8.5
 
 
-# Files of other kinds
+# ---- files of other kinds ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

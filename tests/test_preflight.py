@@ -296,7 +296,7 @@ def test_prepared_notebooks_are_immutable():
         # A text cell with the exercise's ID is the answer, and code above it was an attempt.
         ([code(GROUND), with_grade_id(text(GROUND), "filter_ground")], ["code", "code"]),
         ([with_grade_id(text("My answer."), "filter_ground")], ["markdown"]),
-        # Of several text cells, the first counts.
+        # The first of several text cells counts.
         ([text(GROUND), text(GROUND)], ["code", "markdown"]),
         ([text(GROUND + "\n" + VOXELS), text(VOXELS)], ["code", "markdown"]),
         # A function that no other cell defines is not lost.

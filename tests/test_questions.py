@@ -53,7 +53,7 @@ def right_answers(exercise):
     return [answer for answer in answers_to(exercise) if answer.right]
 
 
-# Texts of values.
+# ---- texts of values -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -119,7 +119,7 @@ def test_choices_are_shuffled_and_a_question_with_two_choices_is_dropped():
     assert keys == {0, 1, 2, 3}
 
 
-# Cases.
+# ---- cases ---------------------------------------------------------------------------------------
 
 
 def test_each_exercise_has_small_cases():
@@ -146,7 +146,7 @@ def test_cases_share_no_array_with_hidden_tests():
                 assert not hidden & set(map(ast.dump, nodes)), case.code
 
 
-# Questions.
+# ---- questions -----------------------------------------------------------------------------------
 
 
 def exec_outcome(cells, claim):
@@ -305,7 +305,7 @@ def test_the_time_limit_of_an_answer_is_below_the_promised_time():
     assert MAX_CPU_SECONDS < SECONDS
 
 
-# Hostile code.
+# ---- hostile code --------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -381,7 +381,7 @@ def test_quizzes_are_valid_xml_with_escaped_code():
     assert not any("<script" in (text.text or "") for text in item.iterfind(".//q:mattext", space))
 
 
-# Classes.
+# ---- classes -------------------------------------------------------------------------------------
 
 STAGE = "stage3_obstacles"
 

@@ -285,7 +285,7 @@ def test_the_lesson_cloud_has_the_properties_that_the_lessons_need(lesson_frame)
     assert not np.any(rounded[:, 0] ** 2 + rounded[:, 1] ** 2 == 100.0)
 
 
-# The highway
+# ---- the highway ---------------------------------------------------------------------------------
 
 
 def test_the_highway_has_about_976_rays_and_no_ego_returns():

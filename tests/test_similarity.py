@@ -53,7 +53,7 @@ def names_of(comparison):
     return {frozenset(pair.students) for pair in comparison.pairs}
 
 
-# Answers that are not flagged.
+# ---- answers that are not flagged ----------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -126,7 +126,7 @@ def test_an_answer_that_many_write_is_not_flagged():
     assert compare_answers("get_bounding_boxes", many).pairs == ()
 
 
-# Copies that are flagged.
+# ---- copies that are flagged ---------------------------------------------------------------------
 
 ORIGINAL = """\
 def get_bounding_boxes(cloud, cluster_labels):
@@ -329,7 +329,7 @@ def statements_in(source):
     return sum(isinstance(node, ast.stmt) and not isinstance(node, named) for node in nodes)
 
 
-# Numbers and sentences.
+# ---- numbers and sentences -----------------------------------------------------------------------
 
 
 def test_the_numbers_about_a_pair_are_counted():
@@ -360,7 +360,7 @@ def test_only_identical_answers_show_100_percent(share, words):
     assert format_percent(share) == words
 
 
-# A class on disk.
+# ---- a class on disk -----------------------------------------------------------------------------
 
 LESSON = lesson_of("get_bounding_boxes")
 
@@ -484,7 +484,7 @@ def test_identical_files_are_reported_as_identical(tmp_path):
     ], "but not two unchanged notebooks"
 
 
-# Hostile notebooks.
+# ---- hostile notebooks ---------------------------------------------------------------------------
 
 HOSTILE = {
     "brackets": "get_bounding_boxes = " + "(" * 50_000,

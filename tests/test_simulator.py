@@ -68,7 +68,7 @@ def contains(solid, points):
     return np.linalg.norm(points - solid.centre, axis=-1) <= solid.radius
 
 
-# Solids
+# ---- solids --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -145,7 +145,7 @@ def test_poses_can_be_inverted_and_composed():
     assert_allclose(pose.then(other).apply(points), pose.apply(other.apply(points)))
 
 
-# Ground
+# ---- ground --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -157,7 +157,7 @@ def test_rays_hit_the_ground_where_they_first_go_below_it(seed):
         width=rng.uniform(6, 12),
         crown=rng.uniform(0, 0.04),
         kerb=rng.uniform(0, 0.2),
-        verge=rng.uniform(0, 0.03),
+        pavement_slope=rng.uniform(0, 0.03),
     )
     height = float(ground.height(0, 0)) + 1.7
     rays = ray_directions(EXACT)[:, 8:, ::15].reshape(3, -1)
@@ -183,7 +183,9 @@ def test_the_distance_of_flat_ground_is_height_over_sine():
 
 
 def test_the_ground_under_a_vehicle_has_height_zero():
-    ground = Ground(Pose(1, 2, 3, 0.4), slope=0.03, width=8, crown=0.02, kerb=0.1, verge=0.01)
+    ground = Ground(
+        Pose(1, 2, 3, 0.4), slope=0.03, width=8, crown=0.02, kerb=0.1, pavement_slope=0.01
+    )
     vehicle = Pose(5.0, 1.0, 0.0, -0.8)
     seen = ground.seen_from(vehicle)
     assert_allclose(seen.height(0.0, 0.0), 0.0, atol=1e-12)
@@ -206,7 +208,7 @@ def test_brightness_of_a_kerb_depends_on_the_angle_of_the_ray(yaw):
     assert cosine[0] == pytest.approx(abs(ray @ normal))
 
 
-# The scan
+# ---- the scan ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -13,7 +13,7 @@ from grader.course.roster import Person
 from grader.lms import gradebook
 from grader.lms.distribution import distribution_of
 from grader.lms.gradebook_writer import enter_verdicts
-from grader.lms.instructor_notes import assignment_notes, counted_lessons
+from grader.lms.instructor_notes import assignment_notes, counted_lesson_notes
 from grader.lms.marks_table import marks_table
 from grader.lms.results import (
     AUDITOR,
@@ -239,7 +239,7 @@ def test_lessons_that_may_not_be_assigned_are_listed(course):
     assign(course, '["07"]')
     (sentence,) = assignment_advice(course)
     assert sentence.startswith(f"{GROUND.name} does not count for ada")
-    assert list(counted_lessons(class_results(course)).values()) == [
+    assert list(counted_lesson_notes(class_results(course)).values()) == [
         f"Lessons that count in {STAGE}: 07 (30 points in total)."
     ]
 

@@ -25,7 +25,7 @@ from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.feedback import FeedbackCollector
 from grader.lms.feedback_page import feedback_page
 from grader.lms.gradebook_writer import enter_verdicts
-from grader.lms.instructor_notes import counted_lessons, excessive_mark_notes, notes
+from grader.lms.instructor_notes import counted_lesson_notes, excessive_mark_notes, notes
 from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.report import write_report
 from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING
@@ -117,7 +117,7 @@ def test_an_exercise_that_is_switched_off_counts_in_neither_scores_nor_maxima(co
     assert after.stage("ada", STAGE).max_score == before.stage("ada", STAGE).max_score - 20 == 40
     assert after.stage("ada", STAGE).score == 3.25 + 18.25
     assert result(course, "ada", DISTANCE) == before.notebook("ada", DISTANCE.name)
-    assert list(counted_lessons(after).values()) == [
+    assert list(counted_lesson_notes(after).values()) == [
         f"Lessons that count in {STAGE}: 06, 07 (40 points in total, without voxel_grid)."
     ]
     assert distribution_of(GROUND, after, []).max_score == 10

@@ -201,7 +201,7 @@ class _SandboxedDetector:
     def __call__(self, cloud: np.ndarray) -> np.ndarray:
         before = time.process_time()
         boxes, failure = self._detect(cloud)
-        # A quarter of a million empty lists contain not one box, but take seconds to read.
+        # An answer of 250,000 empty lists contains no boxes, but reading it takes seconds.
         self._seconds += time.process_time() - before
         if self._seconds > REPLY_SECONDS:
             raise StudentStopped(

@@ -109,7 +109,7 @@ def complete_submissions(book: Gradebook, stage: str) -> None:
 def _announce_changed_exercises(
     book: Gradebook, lesson: Lesson, released: dict, existing: dict, notify: Callable[[str], None]
 ) -> None:
-    """Report exercises that were added, removed or changed, and what happens to their marks."""
+    """Report exercises that were added or removed, or whose points changed after manual marks."""
     before = {name: cell for (kind, name), cell in existing.items() if kind is GradeCell}
     new_points = {name: cell for (kind, name), cell in released.items() if kind is GradeCell}
     for name in new_points.keys() - before.keys():

@@ -13,7 +13,7 @@ from grader.judging.messages import common_text, remove_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult, MessageKind
 
 # Kinds of messages that are grouped, each with the wording for one check and for several.
-GROUPED_OPENINGS = {
+GROUP_WORDINGS = {
     MessageKind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
     MessageKind.WAITING: ("cannot be tested until this is right",) * 2,
 }
@@ -106,9 +106,9 @@ def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
 
 
 def _group_key(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
-    """Return the key of a check's group: a message, or openings for one check and for several."""
-    if test.kind in GROUPED_OPENINGS:
-        return GROUPED_OPENINGS[test.kind]
+    """Return the key of a check's group: wordings for one check and for several, or a message."""
+    if test.kind in GROUP_WORDINGS:
+        return GROUP_WORDINGS[test.kind]
     message = remove_numbers(test.message)
     said = remove_numbers(first.message).splitlines()
     return SAME_FAILURE if set(message.splitlines()) <= set(said) else message

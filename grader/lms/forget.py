@@ -94,7 +94,8 @@ def remaining_lines(course: Course, student: str) -> Iterator[str]:
 
 
 def _own_traces(course: Course, student: str) -> Iterator[Trace]:
-    # These traces come first, because they are found through the student's own folders.
+    # Records of team members come first, because they are found through the student's own
+    # folders, which are deleted next.
     yield from _team_record_traces(course, student)
     yield from _folder_traces(course, student)
     yield from _page_traces(course, student)

@@ -17,7 +17,7 @@ from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResul
 DEADLINES_FILE = "deadlines.toml"
 
 
-def counted_lessons(results: ClassResults) -> dict[str, str]:
+def counted_lesson_notes(results: ClassResults) -> dict[str, str]:
     """Return a sentence about the lessons that count in each stage, by stage."""
     stages: dict[str, dict[str, float]] = {}
     for result in results.notebooks:
@@ -72,7 +72,7 @@ def outdated_mark_notes(results: ClassResults, stage: str) -> Iterator[str]:
 
 
 def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
-    """Yield a note about lessons of a stage that at most one of several students submitted."""
+    """Yield a note about lessons that no student, or only one of at least three, submitted."""
     students: dict[str, list[str]] = {}
     for result in results.notebooks:
         if result.stage == stage:
@@ -93,7 +93,7 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
 
 
 def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes about late work and enrolment that require a decision after grading."""
+    """Yield all notes about marks that an instructor sees after grading."""
     for stage in results.stages:
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
@@ -105,7 +105,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         yield from _zone_notes(
             stage, results.of_student(stage.student), deadlines.zone if deadlines else None
         )
-        if deadlines and _is_granted(stage, deadlines):
+        if deadlines and _grants_more_time(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
@@ -136,7 +136,7 @@ def unlisted_student_notes(results: ClassResults) -> Iterator[str]:
 
 
 def _shared_time_notes(results: ClassResults) -> Iterator[str]:
-    """Yield a sentence if lessons may be late only because of another lesson of their stage."""
+    """Yield a sentence for each stage in which one lesson's time may make another one late."""
     students_by_stage: dict[str, list[str]] = {}
     for stage in results.stages:
         submitted = [
@@ -181,7 +181,7 @@ def _format_lateness(late: timedelta) -> str:
     return f"{format_duration(late)} late" if late else "on time"
 
 
-def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:
+def _grants_more_time(stage: StageResult, deadlines: Deadlines) -> bool:
     """Return whether the gradebook grants more time than deadlines.toml."""
     due = deadlines.due_date(stage.student, stage.stage)
     return due is not None and stage.due is not None and stage.due > due

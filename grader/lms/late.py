@@ -39,7 +39,7 @@ class PercentPerDay(LateSubmissionPlugin):
     ) -> float | None:
         """Return the points to subtract from a notebook, or None if it is on time; see nbgrader.
 
-        The course passes seconds in which each day on the clock has 86,400; see
+        In `total_seconds_late`, the course counts each calendar day as 86,400 seconds; see
         `grader.lms.penalties`.
         """
         if total_seconds_late <= 60 * self.grace_minutes:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.course.deadlines import Deadlines
-from grader.lms.instructor_notes import assignment_notes, counted_lessons, excessive_mark_notes
+from grader.lms.instructor_notes import assignment_notes, counted_lesson_notes, excessive_mark_notes
 from grader.lms.marks_table import MarksTable
 from grader.lms.results import AUDITOR, EXCUSED, MISSING, WAITING, ClassResults
 
@@ -87,7 +87,7 @@ def overview_of(
     counts = {"waiting": waiting, **sections}
     return Overview(
         (
-            *counted_lessons(results).values(),
+            *counted_lesson_notes(results).values(),
             *assignment_notes(results, deadlines),
             *excessive_mark_notes(results),
         ),

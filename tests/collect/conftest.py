@@ -27,7 +27,7 @@ def course(tmp_path):
 
 
 @pytest.fixture
-def anonymous_course(course):
+def course_without_roster(course):
     """Return the course without its roster."""
     (course.root / "roster.csv").unlink()
     return course

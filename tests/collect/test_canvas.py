@@ -107,11 +107,11 @@ def test_typed_texts_and_links_in_canvas_become_questions(course):
     assert texts["müllerbjörn_4002/müllerbjörn_LATE_4002_link.html"].startswith("is a link")
 
 
-def test_anonymous_work_from_canvas_is_collected_under_its_code(course, anonymous_course):
+def test_anonymous_work_from_canvas_is_collected_under_its_code(course, course_without_roster):
     files = canvas_files("", 1, [(5, f"{SIX}.ipynb", notebook())], late=True, anonymous="aB3x9")
     assert files[0][0] == f"LATE_anon_aB3x9_5_{SIX}.ipynb"
-    path = archive(anonymous_course, files)
-    outcome = collect(anonymous_course, path)
+    path = archive(course_without_roster, files)
+    outcome = collect(course_without_roster, path)
     assert states(outcome) == {"anon_aB3x9": {"06": "new"}}
     assert outcome.late_students == ["anon_aB3x9"]
 
@@ -127,11 +127,11 @@ def test_the_command_asks_for_the_members_of_a_canvas_group(course):
     assert outcome.questions == outcome.doubts == []
 
 
-def test_unusual_file_names_are_recognised(course, anonymous_course):
+def test_unusual_file_names_are_recognised(course, course_without_roster):
     """Canvas replaces each character that is not allowed in a file name with `_`."""
     name = f'a/b\\c:d*e?"f<g>h|{SIX} (1) Übung.ipynb'
     (made,) = canvas_files("Jr., Cy 2", 77, [(3, name, notebook())])
     assert made[0] == f"jrcy2_77_3_a_b_c_d_e_f_g_h_{SIX} (1) Übung.ipynb"
-    outcome = collect(anonymous_course, archive(anonymous_course, [made]))
+    outcome = collect(course_without_roster, archive(course_without_roster, [made]))
     assert states(outcome) == {"jrcy2_77": {"06": "new"}}
-    assert set(placed_files(anonymous_course, "jrcy2_77")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(course_without_roster, "jrcy2_77")) == {f"{SIX}.ipynb"}

@@ -111,10 +111,10 @@ def test_students_with_an_undecided_time_are_listed(course, run_command, capsys)
     assert "has '10/11/2026 9:00', which is not a time" in output
 
 
-def test_an_option_cannot_lead_to_another_folder(anonymous_course):
-    path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
+def test_an_option_cannot_lead_to_another_folder(course_without_roster):
+    path = archive(course_without_roster, [(f"ada/{SIX}.ipynb", notebook())])
     with pytest.raises(CollectError, match="no folder can have the name ../../x"):
-        collect(anonymous_course, path, who={"ada": "../../x"})
+        collect(course_without_roster, path, who={"ada": "../../x"})
 
 
 def test_collecting_is_refused_while_the_course_is_graded(course, run_command, capsys):

@@ -109,13 +109,13 @@ def test_files_without_folders_are_not_attributed_to_one_student(
 
 
 @pytest.mark.parametrize("names", [("{}", "{} (1)"), ("Copy of {}", "{}-Copy2"), ("Untitled", "8")])
-def test_files_of_one_student_need_no_folder(anonymous_course, names):
+def test_files_of_one_student_need_no_folder(course_without_roster, names):
     """Words that a program or one student adds to the names do not name several students."""
     files = [
         (f"{name.format(lesson)}.ipynb", notebook(lesson))
         for name, lesson in zip(names, (SIX, EIGHT), strict=True)
     ]
-    outcome = collect(anonymous_course, archive(anonymous_course, files))
+    outcome = collect(course_without_roster, archive(course_without_roster, files))
     assert states(outcome) == {"submissions": {"06": "new", "08": "new"}}
 
 
@@ -130,21 +130,21 @@ def test_files_of_one_student_need_no_folder(anonymous_course, names):
         ("ada/6", "bo/photo.png"),
     ],
 )
-def test_folders_inside_a_students_folder_need_no_question(anonymous_course, paths):
+def test_folders_inside_a_students_folder_need_no_question(course_without_roster, paths):
     """Such folders belong to the course, an attempt or a lesson, or recur for other students."""
-    path = archive_of(anonymous_course, paths)
-    outcome = collect(anonymous_course, path, stages=(STAGE, "stage4_realtime"))
+    path = archive_of(course_without_roster, paths)
+    outcome = collect(course_without_roster, path, stages=(STAGE, "stage4_realtime"))
     assert set(states(outcome)) == {"ada", "bo", "cy"} & set("/".join(paths).split("/"))
     assert collected_lessons(outcome) == lessons_in(paths)
     assert not re.search("several|--who|--folder", " ".join(questions(outcome).values()))
 
 
-def test_an_option_confirms_one_students_folders_if_there_is_no_roster(anonymous_course):
-    path = archive_of(anonymous_course, ("ada/6", "bo/mine/6", "bo/more/7"))
-    outcome = collect(anonymous_course, path)
+def test_an_option_confirms_one_students_folders_if_there_is_no_roster(course_without_roster):
+    path = archive_of(course_without_roster, ("ada/6", "bo/mine/6", "bo/more/7"))
+    outcome = collect(course_without_roster, path)
     assert states(outcome) == {"ada": {"06": "new"}}
     assert "If one student submitted all of them, add --who bo=bo" in questions(outcome)["bo"]
-    outcome = collect(anonymous_course, path, who={"bo": "bo"})
+    outcome = collect(course_without_roster, path, who={"bo": "bo"})
     assert states(outcome)["bo"] == {"06": "new", "07": "new"} and outcome.questions == []
 
 
@@ -217,14 +217,14 @@ def test_one_owner_is_suggested_for_one_students_folders(course, inside):
 
 @pytest.mark.parametrize("wrapper", ["export", STAGE, f"export/{STAGE}"])
 @pytest.mark.parametrize("loose", ["", "readme.txt", "{}/marks.csv"])
-def test_students_folders_are_found_below_other_folders(anonymous_course, wrapper, loose):
+def test_students_folders_are_found_below_other_folders(course_without_roster, wrapper, loose):
     """Neither the name of the folder above nor a file next to the folders prevents this."""
     files = [
         (f"{wrapper}/x1/{SIX}.ipynb", notebook()),
         (f"{wrapper}/x2/{SEVEN}.ipynb", notebook(SEVEN)),
         *([(loose.format(wrapper), b"x")] if loose else []),
     ]
-    outcome = collect(anonymous_course, archive(anonymous_course, files))
+    outcome = collect(course_without_roster, archive(course_without_roster, files))
     assert states(outcome) == {"x1": {"06": "new"}, "x2": {"07": "new"}}
 
 
@@ -261,12 +261,12 @@ def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
     assert states(collect(course, single, who={"8": "cy"})) == {"cy": {"08": "new"}}
 
 
-def test_folders_have_the_names_in_the_archive_if_there_is_no_roster(anonymous_course):
+def test_folders_have_the_names_in_the_archive_if_there_is_no_roster(course_without_roster):
     path = archive(
-        anonymous_course,
+        course_without_roster,
         [(f"{name}/{SIX}.ipynb", notebook()) for name in ("mary jane", "aux", "Ærø: Ö")],
     )
-    outcome = collect(anonymous_course, path)
+    outcome = collect(course_without_roster, path)
     assert set(outcome.states) == {"mary jane", "aux_", "Ærø- Ö"}
     assert outcome.roster is None and outcome.questions == []
 

@@ -83,8 +83,10 @@ def test_other_platforms_are_recognised(course, platform):
 
 
 @pytest.mark.parametrize("platform", OTHER_PLATFORMS)
-def test_other_platforms_are_recognised_without_a_roster(anonymous_course, platform):
-    outcome = collect(anonymous_course, archive(anonymous_course, OTHER_PLATFORMS[platform]))
+def test_other_platforms_are_recognised_without_a_roster(course_without_roster, platform):
+    outcome = collect(
+        course_without_roster, archive(course_without_roster, OTHER_PLATFORMS[platform])
+    )
     assert len(outcome.states) == 2 and outcome.questions == []
 
 

@@ -73,9 +73,9 @@ def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
     assert states(outcome) == {"ada": {"07": "same"}, "cy": {"06": "new"}}
 
 
-def test_an_option_names_the_owner_of_a_zip_if_there_is_no_roster(anonymous_course):
-    path = archive(anonymous_course, [(f"hw/{SIX}.ipynb", notebook())], "homework.zip")
-    outcome = collect(anonymous_course, path, who={"homework": "cy"})
+def test_an_option_names_the_owner_of_a_zip_if_there_is_no_roster(course_without_roster):
+    path = archive(course_without_roster, [(f"hw/{SIX}.ipynb", notebook())], "homework.zip")
+    outcome = collect(course_without_roster, path, who={"homework": "cy"})
     assert states(outcome) == {"cy": {"06": "new"}}
 
 

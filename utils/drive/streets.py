@@ -103,7 +103,9 @@ class Street:
         length = 20.0 * self.limit + AHEAD
         plan = replace(self.plan, spans=((BEHIND, length),), driving=20.0)
         obstacles = street(np.random.default_rng((self.seed, 30)), plan)
-        ground = Ground(slope=self.slope, width=ROAD_WIDTH, crown=0.02, kerb=0.13, verge=0.02)
+        ground = Ground(
+            slope=self.slope, width=ROAD_WIDTH, crown=0.02, kerb=0.13, pavement_slope=0.02
+        )
         return world_of(ground, [obstacle for obstacle in obstacles if self._may_contain(obstacle)])
 
     def _may_contain(self, obstacle: Obstacle) -> bool:

@@ -78,7 +78,7 @@ def _edits_with_unused_names(source: SourceText, walked: list[tuple], values: li
     for target, parent, field in walked:
         if not isinstance(target, ast.Name) or target.id in read or target.id[0] == "_":
             continue
-        # Of several results, such as those of `np.unique`, right answers often use only some.
+        # Right answers often use only some of several results, such as those of `np.unique`.
         rank = 1 if isinstance(parent, ast.Tuple) else 0
         name, line = target.id, target.lineno
         indices = (name, f"~{name}") if field == "targets" else (name,)

@@ -166,7 +166,7 @@ class Names:
 
 
 def names_in(function: ast.AST) -> Names:
-    """Collect the names in a function or a class, each once, in tree order."""
+    """Collect the names in a function or a class, each once, in the order of `ast.walk`."""
     arguments, bound, read, elsewhere = {}, {}, {}, {*dir(builtins)}
     for node in ast.walk(function):
         if isinstance(node, ast.arg):

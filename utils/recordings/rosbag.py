@@ -182,7 +182,7 @@ def _open_reader(path: Path) -> Iterator[Reader1 | Reader2]:
             "Install it with: pip install rosbags",
         ) from None
     try:
-        opened = _opened_folder(Reader, path) if path.is_dir() else _opened(Reader, path)
+        opened = _open_folder(Reader, path) if path.is_dir() else _open(Reader, path)
         with closing(opened) as reader:
             yield reader
     except CloudFileError:
@@ -225,21 +225,21 @@ def _is_ros1(path: Path) -> bool:
     return path.suffix.lower() == ".bag" and not path.is_dir()
 
 
-def _opened(reader: type, path: Path) -> Reader1 | Reader2:
+def _open(reader: type, path: Path) -> Reader1 | Reader2:
     opened = reader(_RecordingPath(path))
     opened.open()
     return opened
 
 
-def _opened_folder(reader: type, folder: Path) -> Reader2:
+def _open_folder(reader: type, folder: Path) -> Reader2:
     """Open a recording's folder, or its only file if the metadata are missing or wrong."""
     try:
-        return _opened(reader, folder)
+        return _open(reader, folder)
     except Exception:  # rosbags passes on errors from yaml
         files = [file for file in folder.iterdir() if file.suffix.lower() in (".db3", ".mcap")]
         if len(files) != 1:
             raise
-        return _opened(reader, files[0])
+        return _open(reader, files[0])
 
 
 class _RecordingPath(type(Path())):

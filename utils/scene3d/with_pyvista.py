@@ -17,7 +17,7 @@ from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
 if TYPE_CHECKING:
     import pyvista
 
-SMOOTHED = 2
+WIDENING = 2
 """Factor by which dots and lines are widened, because supersampling makes them thinner."""
 
 
@@ -47,7 +47,7 @@ class Studio:
         """Draw a scene and return the picture as a uint8 array (height, width, 3)."""
         self.plotter.clear_actors()
         for part in scene.parts:
-            add(self.plotter, part, SMOOTHED)
+            add(self.plotter, part, WIDENING)
         aim(self.plotter, camera)
         with without_screen():
             self.plotter.render()
@@ -56,7 +56,7 @@ class Studio:
         return write(image, scene.parts, camera, scene.title, scene.caption)
 
     def _depth(self) -> np.ndarray:
-        """Return the distance in metres (height, width) of each pixel; infinite for background."""
+        """Return the depth in metres (height, width) of each pixel; infinite for background."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkFloatArray
 

@@ -34,7 +34,7 @@ class Ground:
         Fall per metre from the middle of the road to the kerb.
     kerb : float
         Height of the kerb in metres.
-    verge : float
+    pavement_slope : float
         Outward rise of the pavement per metre.
     material : Material
     """
@@ -44,7 +44,7 @@ class Ground:
     width: float = math.inf
     crown: float = 0.0
     kerb: float = 0.0
-    verge: float = 0.0
+    pavement_slope: float = 0.0
     material: Material = Material(reflectivity=0.36)
 
     def height(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
@@ -53,7 +53,7 @@ class Ground:
         aside, half = np.abs(across), self.width / 2
         road = -self.crown * aside
         if math.isfinite(half):
-            pavement = self.kerb - self.crown * half + self.verge * (aside - half)
+            pavement = self.kerb - self.crown * half + self.pavement_slope * (aside - half)
             road = np.where(aside <= half, road, pavement)
         return self.pose.z + self.slope * along + road
 
@@ -92,7 +92,11 @@ class Ground:
         half = self.width / 2
 
         def meet(height: float, tilt: float, side: int, inner: float, outer: float) -> None:
-            """Add hits on the strip z = height + tilt * v, v = side * across in inner..outer."""
+            """Add hits on the strip z = height + tilt * aside, with `aside` from inner to outer.
+
+            Here, z is relative to the slope of the road, and `aside` is the distance from the
+            middle to this side.
+            """
             drop = climb - tilt * side * across
             reach = -(start_height - height - tilt * side * start_across) / drop
             aside = side * (start_across + reach * across)
@@ -107,7 +111,7 @@ class Ground:
                 if not math.isfinite(half):
                     continue
                 edge = self.kerb - self.crown * half
-                meet(edge - self.verge * half, self.verge, side, half, math.inf)
+                meet(edge - self.pavement_slope * half, self.pavement_slope, side, half, math.inf)
                 reach = (side * half - start_across) / across
                 level = start_height + reach * climb
                 met = (reach > 0) & (reach < distance)

@@ -65,7 +65,7 @@ def _highway_frame(seed: int, number: int) -> Frame:
     return observe(world.seen_from(vehicle, time), highway_sensor(), (seed, number), time)
 
 
-ROAD = Ground(slope=0.022, width=ROAD_WIDTH, crown=0.02, kerb=0.13, verge=0.02)
+ROAD = Ground(slope=0.022, width=ROAD_WIDTH, crown=0.02, kerb=0.13, pavement_slope=0.02)
 """A street that climbs gently."""
 
 
@@ -154,7 +154,7 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
         width=ROAD_WIDTH,
         crown=0.02 * difficulty,
         kerb=0.04 + 0.10 * difficulty,
-        verge=0.02 * difficulty,
+        pavement_slope=0.02 * difficulty,
     )
     vehicle = Pose(0.0, EGO_LANE, 0.0, 0.05 * (2 * rng.random() - 1))
     world = world_of(ground, street(rng, plan)).seen_from(vehicle)

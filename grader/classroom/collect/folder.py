@@ -53,7 +53,7 @@ def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
         elif len(entry.path) == 1:
             label = student_name_in(entry.path[0]) or name
         owner = Owner(label, label, (label,), is_folder=not level)
-        files.append(SubmittedFile(owner, inner, entry, saved=entry.moment))
+        files.append(SubmittedFile(owner, inner, entry, saved_at=entry.moment))
     return files
 
 

@@ -37,7 +37,7 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
         if folder:
             path = entry.path[len(folder) :]
             files.append(
-                SubmittedFile(owners[folder], path, entry, saved=entry.moment, is_given=True)
+                SubmittedFile(owners[folder], path, entry, saved_at=entry.moment, is_given=True)
             )
     return files
 

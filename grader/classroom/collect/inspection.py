@@ -52,7 +52,7 @@ class UnpackedFile:
         "work" is a file that was submitted instead of a notebook, such as a PDF.
     data : bytes
         Only for notebooks and modules.
-    saved : datetime or None
+    saved_at : datetime or None
         The file's time in the zip that contains it.
     content : grader.classroom.lesson_recognition.NotebookContent
         Only for notebooks.
@@ -63,7 +63,7 @@ class UnpackedFile:
     path: tuple[str, ...]
     kind: str
     data: bytes = b""
-    saved: datetime | None = None
+    saved_at: datetime | None = None
     content: NotebookContent = NotebookContent()
     complaint: str = ""
 
@@ -114,7 +114,7 @@ def _unpack(
     data: bytes,
     name: str,
     path: tuple[str, ...] = (),
-    saved: datetime | None = None,
+    saved_at: datetime | None = None,
     depth: int = 0,
 ) -> list[UnpackedFile]:
     """Do the work of `unpack_file` in the separate process."""
@@ -126,15 +126,15 @@ def _unpack(
     if kind == NOTEBOOK:
         try:
             return [
-                UnpackedFile(path, kind, data, saved, lesson_recognition.content_of(data, name))
+                UnpackedFile(path, kind, data, saved_at, lesson_recognition.content_of(data, name))
             ]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
             # A text file named after a lesson may contain anything.
             kind = NOTEBOOK if ".ipynb" in name.lower() else SUBSTITUTE
-            return [UnpackedFile(path, kind, data, saved, complaint=complaint)]
+            return [UnpackedFile(path, kind, data, saved_at, complaint=complaint)]
     if kind == MODULE and len(data) <= MAX_MODULE_BYTES:
-        return [UnpackedFile(path, kind, data, saved)]
+        return [UnpackedFile(path, kind, data, saved_at)]
     return [UnpackedFile(path, SUBSTITUTE if kind == SUBSTITUTE else OTHER)]
 
 
@@ -179,7 +179,7 @@ def _to_json(unpacked: UnpackedFile) -> tuple:
         unpacked.path,
         unpacked.kind,
         base64.b64encode(unpacked.data).decode(),
-        unpacked.saved.isoformat() if unpacked.saved else "",
+        unpacked.saved_at.isoformat() if unpacked.saved_at else "",
         dataclasses.astuple(unpacked.content),
         unpacked.complaint,
     )
@@ -189,7 +189,7 @@ def _from_json(
     path: list[str],
     kind: str,
     data: str,
-    saved: str,
+    saved_at: str,
     content: tuple[str, bool, list[str]],
     complaint: str,
 ) -> UnpackedFile:
@@ -198,7 +198,7 @@ def _from_json(
         tuple(path),
         kind,
         base64.b64decode(data),
-        datetime.fromisoformat(saved) if saved else None,
+        datetime.fromisoformat(saved_at) if saved_at else None,
         NotebookContent(lesson, untouched, tuple(repairs)),
         complaint,
     )

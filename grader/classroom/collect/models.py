@@ -102,7 +102,7 @@ class SubmittedFile:
     entry : ArchiveEntry
     order : int
         Sort key among archives of the same format: higher is newer, and 0 is unknown.
-    saved : datetime or None
+    saved_at : datetime or None
         When the student saved the file, if the archive contains that time.
     late : bool or None
         Whether the learning platform marked the file late; None if the platform has no such mark.
@@ -116,7 +116,7 @@ class SubmittedFile:
     path: tuple[str, ...]
     entry: ArchiveEntry
     order: int = 0
-    saved: datetime | None = None
+    saved_at: datetime | None = None
     late: bool | None = None
     remark: str = ""
     is_given: bool = False

@@ -33,9 +33,9 @@ class StudentFile:
         return "/".join((self.submitted.owner.label, *self.path))
 
     @property
-    def saved(self) -> datetime | None:
+    def saved_at(self) -> datetime | None:
         """When the file was saved, if the archive or a zip in it contains that time."""
-        return self.unpacked.saved or self.submitted.saved
+        return self.unpacked.saved_at or self.submitted.saved_at
 
     def is_next_to(self, other: StudentFile) -> bool:
         """Return whether two files are in the same folder."""
@@ -65,7 +65,7 @@ class StudentFile:
 # reliable function is first.
 EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
     lambda file: file.submitted.order or None,
-    lambda file: file.saved,
+    lambda file: file.saved_at,
     lambda file: copy_number(file.path[-1]),
 )
 

@@ -140,7 +140,7 @@ class _ExemptStudents:
 
 
 def earlier_course(folder: Path) -> EarlierCourse:
-    """Return the earlier course in a folder, which may also be its folder of submissions."""
+    """Return the earlier course in `folder`, which may also be the course's ``submitted/``."""
     folder = folder.resolve()
     return EarlierCourse(folder.parent if folder.name == "submitted" else folder)
 

@@ -10,7 +10,7 @@ from grader.course.lessons import find_lesson
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.instructor_notes import (
-    counted_lessons,
+    counted_lesson_notes,
     excessive_mark_notes,
     outdated_mark_notes,
     unlisted_student_notes,
@@ -147,7 +147,7 @@ def _notes(
     zeros = [result for result in own if result.status == MISSING]
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
-        yield counted_lessons(results)[stage]
+        yield counted_lesson_notes(results)[stage]
     yield from outdated_mark_notes(results, stage)
     yield from excessive_mark_notes(results)
     undecided = [

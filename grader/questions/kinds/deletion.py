@@ -17,7 +17,7 @@ TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 
 def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask what a case does after a statement has been deleted."""
+    """Ask for the value of a case after a statement has been deleted."""
     for number, case in enumerate(behaviour.cases):
         own = behaviour.own[number].outcome
         if case.run or not is_value(own):
@@ -49,6 +49,6 @@ def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Questio
 
 
 def _is_trivial(edit: Edit, outcome: str) -> bool:
-    """Return whether an outcome is easy to guess: a caller may get None, or a name is undefined."""
+    """Return whether an outcome is None, a missing name, or an error due to a deleted `return`."""
     deletes_result = edit.before.lstrip().startswith("return")
     return outcome in TRIVIAL or (deletes_result and outcome.startswith(ERROR))

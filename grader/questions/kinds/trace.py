@@ -15,7 +15,7 @@ from utils.questions.shown_values import shown_values
 from utils.questions.texts import is_alike
 
 MAX_TURNS = 6  # runs of a line that a student can trace on paper in reasonable time
-# Lines that only slice an array at fixed places, or take its length.
+# Lines that only index or slice an array with constants, or take its length.
 READS = re.compile(r"= (?:len\(\w+\)|\w+\[[\d:, -]*\])$")
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
