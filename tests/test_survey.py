@@ -50,6 +50,8 @@ _SIDES = (
 _ABOVE_LOW = "above_low = along - along.min(axis=-1, keepdims=True)"
 _CLOSENESS = "return (1 / (nearest + 0.05)).sum(axis=-1)"
 _LARGER = "a worse fit: its boxes are larger, but with this seed not larger than the check permits"
+_REGION = "p = p[(p > (-10, -5, -2.5)).all(axis=1) & (p < (30, 6, 1)).all(axis=1)]"
+_WHOLE_SCAN = "50 samples of the whole scan may miss the road: with this seed they find it"
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 KNOWN = {
@@ -113,6 +115,7 @@ KNOWN = {
         ): "an infinite intensity is returned as NaN: both mean that it is missing",
     },
     "detect_obstacles": {
+        (_REGION, "p = p"): _WHOLE_SCAN,
         (_ABOVE_LOW, _ABOVE_LOW.replace("min", "max")): _LARGER,
         (_CLOSENESS, _CLOSENESS.replace("+", "-")): _LARGER,
         (_CROSS, "normal = np.cross(q / p, r - p)"): _LUCK,
