@@ -41,7 +41,7 @@ from utils.checks.clusters import assert_clusters
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
 from utils.checks.lesson_02 import line_through, ransac_line
-from utils.checks.lesson_03 import iterations_needed
+from utils.checks.lesson_03 import iterations_needed, ransac_plane
 from utils.checks.outcomes import Outcome
 from utils.checks.summary import failure_texts, summarise
 from utils.checks.tips import locate, tip_for
@@ -409,6 +409,38 @@ def test_the_hint_about_a_missed_line_names_the_cause(slip, word):
     with pytest.raises(CheckFailed) as caught:
         ransac_line.finds_the_line(space["ransac_line"])
     assert word in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("where", "exercise", "check_draws", "count", "message"),
+    [
+        (
+            "02_ransac_line",
+            "ransac_line",
+            ransac_line.draws_from_all_points,
+            4,
+            "No line goes through two of the four points",
+        ),
+        (
+            "03_ransac_plane",
+            "ransac_plane",
+            ransac_plane.draws_from_all_rows,
+            5,
+            "No plane goes through three of the five points",
+        ),
+    ],
+)
+def test_models_that_miss_all_points_are_reported(where, exercise, check_draws, count, message):
+    right = getattr(load_reference(where), exercise)
+
+    def misses_a_small_cloud(points, *arguments):
+        model, inliers = right(points, *arguments)
+        if model and len(points) == count:
+            model = (*model[:-1], model[-1] + 50)
+        return model, inliers
+
+    with pytest.raises(CheckFailed, match=message):
+        check_draws(misses_a_small_cloud)
 
 
 def test_the_hint_depends_on_the_wrong_answer():

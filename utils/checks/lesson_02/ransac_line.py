@@ -256,16 +256,27 @@ def lines_from_two_rounds(ransac_line: Callable, points: np.ndarray) -> list[np.
 )
 def draws_from_all_points(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
+    answers = lines_from_two_rounds(ransac_line, _FOUR_POINTS)
+    found = [line for line in answers if line is not None]
     lines, drawn, has_distant_rows = [], np.zeros(len(_FOUR_POINTS), dtype=bool), False
-    for line in lines_from_two_rounds(ransac_line, _FOUR_POINTS):
-        if line is not None:
+    for line in found:
+        rows = np.flatnonzero(distances_from(line, _FOUR_POINTS) < TOLERANCE)
+        if len(rows) >= 2:
             lines.append(line)
-            rows = np.flatnonzero(distances_from(line, _FOUR_POINTS) < TOLERANCE)
             drawn[rows] = True
             # Rows 0 and 3 count as neighbours, because a function may wrap around at the end.
             has_distant_rows |= rows[-1] - rows[0] == 2
         if drawn.all() and has_distant_rows:
             return
+    if not lines:
+        raise CheckFailed(
+            "No line goes through two of the four points.",
+            input_text="four points and max_iterations=2",
+            yours=f"for example {line_text(found[0])}",
+            expected="the line through the two points of a sample",
+            hint="Return the line of the best sample. A line that is fitted to its inliers is also "
+            "right: here it goes through the same two points.",
+        )
     if all(lines_equal(line, lines[0]) for line in lines):
         return  # another check tests whether different seeds draw different samples
     if drawn.all():

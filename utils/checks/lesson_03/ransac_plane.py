@@ -380,16 +380,27 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
+    answers = planes_from_two_rounds(ransac_plane, _FIVE_POINTS)
+    found = [plane for plane in answers if plane is not None]
     planes, drawn, has_distant_rows = [], np.zeros(len(_FIVE_POINTS), dtype=bool), False
     neighbours = {frozenset((row + np.arange(3)) % 5) for row in range(5)}
-    for plane in planes_from_two_rounds(ransac_plane, _FIVE_POINTS):
-        if plane is not None:
+    for plane in found:
+        rows = np.flatnonzero(distances_from_plane(_FIVE_POINTS, plane) < 2e-3)
+        if len(rows) >= 3:
             planes.append(plane)
-            rows = np.flatnonzero(distances_from_plane(_FIVE_POINTS, plane) < 2e-3)
             drawn[rows] = True
             has_distant_rows |= frozenset(rows) not in neighbours
         if drawn.all() and has_distant_rows:
             return
+    if not planes:
+        raise CheckFailed(
+            "No plane goes through three of the five points.",
+            input_text="five points and max_iterations=2",
+            yours=f"for example {plane_text(found[0])}",
+            expected="the plane through the three points of a sample",
+            hint="Return the plane of the best sample. A plane that is fitted to its inliers is "
+            "also right: here it goes through the same three points.",
+        )
     if all(_planes_equal(plane, planes[0]) for plane in planes):
         return  # another check tests whether different seeds draw different samples
     if drawn.all():
