@@ -55,12 +55,12 @@ _WHOLE_SCAN = "50 samples of the whole scan may miss the road: with this seed th
 _THINNED = "return xyz[np.sort(np.unique(cells, axis=0, return_index=True)[1])]"
 _MIRRORED = "joins mirrored cells: too few points are removed to lose a cluster, with this seed"
 _NEEDED = "needed, done = max_iterations, 0"
-_TOO_SOON = "may stop too soon: with this seed it has found the line by then"
+_FIRST_LINE = "matters only until a sample gives a line, and with this seed an early one does"
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 KNOWN = {
     "ransac_line": {
-        (_NEEDED, _NEEDED.replace("max_iterations", "(max_iterations ** 0.5)")): _TOO_SOON,
+        (_NEEDED, _NEEDED.replace("max_iterations", "(max_iterations ** 0.5)")): _FIRST_LINE,
     },
     "ransac_plane": {
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 2)")): _WORSE,
