@@ -92,8 +92,8 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
     "correct_boxes",
     title="Places each box between its expected and its found position",
     why="A detected box wobbles. With a gain below 1, the track wobbles less.",
-    hint="Compute off = found.mean(axis=1) - expected.mean(axis=1). The new centre is the centre "
-    "of expected plus gain times off.",
+    hint="Compute difference = found.mean(axis=1) - expected.mean(axis=1). The new centre is the "
+    "centre of expected plus gain times the difference.",
 )
 def places_boxes_between(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
@@ -105,8 +105,8 @@ def places_boxes_between(correct_boxes: Callable) -> None:
     title="Returns the found box, moved as a whole",
     why="The size and heading of the found box were measured just now. Those of "
     "the expected box are out of date.",
-    hint="Move all corners of found back by the same fraction of off: found - (1 - gain) * "
-    "off[:, None].",
+    hint="Move all corners of found back by the same fraction of the difference: "
+    "found - (1 - gain) * difference[:, None].",
 )
 def keeps_the_shape(correct_boxes: Callable) -> None:
     with precondition("each box is between its expected and its found position"):
@@ -131,8 +131,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
     title="Corrects the velocity with its own gain, beta",
     why="Without this correction, a track never learns that a car is coming towards the ego car. "
     "If beta is too large, every wobble of a box looks like a velocity.",
-    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2, and return velocities + beta * off / "
-    "seconds as the new velocities.",
+    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2, and return velocities + "
+    "beta * difference / seconds as the new velocities.",
 )
 def corrects_the_velocity(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
@@ -154,8 +154,8 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
     title="Uses the expected position at gain 0 and the found position at gain 1",
     why="The gain is the weight of the found box. A gain of 0 ignores the found box, and a gain "
     "of 1 ignores the expected box.",
-    hint="Write found - (1 - gain) * off[:, None]. With a gain of 1, the result is then the found "
-    "box.",
+    hint="Write found - (1 - gain) * difference[:, None]. With a gain of 1, the result is then "
+    "the found box.",
 )
 def uses_extreme_gains(correct_boxes: Callable) -> None:
     for gain in (0.0, 1.0):
@@ -208,7 +208,7 @@ declare_mistakes(
         _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: velocities + beta * offset
         ),
-        "Return velocities + beta * off / seconds.",
+        "Return velocities + beta * difference / seconds.",
     ),
     Mistake(
         "The code also corrects the velocity with gain. It should use beta.",
@@ -236,19 +236,19 @@ declare_mistakes(
     Mistake(
         "The function returns the velocities unchanged. It should correct them with beta.",
         _prediction_from_velocity_rule(lambda velocities, offset, gain, beta, seconds: velocities),
-        "Return velocities + beta * off / seconds.",
+        "Return velocities + beta * difference / seconds.",
     ),
     Mistake(
         "The code uses the gain as the weight of the expected box. It should be the weight of the "
         "found box.",
         _prediction_from_velocity_rule(share=lambda gain: 1 - gain),
-        "Write found - (1 - gain) * off[:, None]. With a gain of 1, the result is then the found "
-        "box.",
+        "Write found - (1 - gain) * difference[:, None]. With a gain of 1, the result is then "
+        "the found box.",
     ),
     Mistake(
         "The function returns the found boxes unchanged, whatever the gain is.",
         _prediction_from_velocity_rule(share=lambda gain: 1.0),
-        "Return found - (1 - gain) * off[:, None].",
+        "Return found - (1 - gain) * difference[:, None].",
     ),
     Mistake(
         "The code mixes expected and found boxes corner by corner. If a box grows or starts with "
@@ -257,7 +257,8 @@ declare_mistakes(
             expected + gain * (found - expected),
             right[1],
         ),
-        "Move the found box as a whole with off[:, None], which moves all its corners alike.",
+        "Move the found box as a whole with difference[:, None], which moves all its corners "
+        "alike.",
     ),
     cases=((_EXPECTED, _VELOCITIES, _FOUND, 0.4, 0.1), (_EXPECTED, _VELOCITIES, _FOUND, 0.8, 0.25)),
     right=_right_correction,
