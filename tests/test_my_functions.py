@@ -344,7 +344,7 @@ def test_a_function_is_printed_with_everything_that_it_calls(folder, capfd):
     write(
         folder / "06_low.ipynb",
         STORY,
-        "from math import floor\nLEVEL = 2  # metres",
+        "import sys\nfrom math import floor\nsys.path.insert(0, '..')\nLEVEL = 2  # metres",
         "def cell_of(x):\n    # downwards\n    return floor(x / LEVEL)",
         "def unused():\n    return 0",
         "from functools import cache\n\n@cache\ndef cells(*xs):\n    return list(map(cell_of, xs))",

@@ -63,8 +63,11 @@ def text_to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> st
         As in `source_texts`.
     """
     texts = source_texts(names, cells, origin)
-    imports = [text for text in texts if is_import(text)]
     others = [text for text in texts if not is_import(text)]
+    used = {
+        node.id for node in ast.walk(ast.parse("\n".join(others))) if isinstance(node, ast.Name)
+    }
+    imports = [text for text in texts if is_import(text) and _is_used(text, used)]
     above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
     return f"{above}# from {origin}\n" + "\n\n\n".join(others) + "\n"
 
@@ -72,6 +75,13 @@ def text_to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> st
 def is_import(text: str) -> bool:
     """Return whether a statement is an import."""
     return isinstance(ast.parse(text).body[0], _IMPORTS)
+
+
+def _is_used(text: str, used: set[str]) -> bool:
+    """Return whether an import may bind one of the names, or changes the meaning of the code."""
+    node = ast.parse(text).body[0]
+    bound = {alias.asname or alias.name.split(".")[0] for alias in node.names}
+    return "*" in bound or getattr(node, "module", "") == "__future__" or bool(bound & used)
 
 
 def is_stub(node: ast.stmt) -> bool:
