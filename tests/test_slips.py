@@ -38,6 +38,14 @@ def share_of(exercise, slip):
     return 1 - sum(check.weight for check in failed) / whole, [check.name for check in failed]
 
 
+def test_each_slip_is_a_change_to_the_present_solution():
+    for exercise, slip in ALL.values():
+        source = solution_of(exercise)
+        changed = slip.applied_to(source)
+        assert changed != source, slip.title
+        compile(textwrap.dedent(changed), slip.title, "exec")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ALL)
 def test_a_slip_earns_the_share_that_a_teacher_would_give(case):

@@ -5,12 +5,14 @@ from tests.slips import PARTLY, SMALL, USELESS, Slip
 _CENTRES = "current.mean(axis=1)[:, None] - previous.mean(axis=1)"
 _CROSSED_OUT = "distances[row, :] = distances[:, column] = np.inf"
 _PLANE = """\
-    low = points[points[:, 2] < ground_level]
+    low = by_columns(points[points[:, 2] < ground_level])
     plane, near = ransac_plane(low, 50, 0.2, 0)
     if plane is not None:
         points = points[point_plane_distance(points, fit_plane(low[near])) > 0.3]
 """
-_EGO = "    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))\n"
+_EGO = """\
+    points = remove_ego_returns(by_columns(points), (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+"""
 
 SLIPS = {
     "detect_obstacles": [
