@@ -26,6 +26,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
+import sklearn.cluster  # noqa: F401 - loads OpenMP, so that `threadpool_limits` finds it
+from threadpoolctl import threadpool_limits
 
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, lesson_of, load_reference
@@ -404,7 +406,9 @@ def survey(exercise, answers, share=1):
     """Check all mutants of some answers, or a fixed sample of one in every `share` mutants."""
     runner = CheckRunner(exercise)
     found = SurveyResult(exercise)
-    with np.errstate(all="ignore"), silence(), fixed_random_numbers():
+    # After OpenMP has used several threads, a forked process that uses it waits forever.
+    one_thread = threadpool_limits(1)
+    with one_thread, np.errstate(all="ignore"), silence(), fixed_random_numbers():
         for answer in answers:
             oracle = None
             runner.record_times(answer.function(answer.code()))
