@@ -105,7 +105,7 @@ def _lessons_table() -> str:
         f"| {_exercise_names(lesson)} |\n"
         for lesson in all_lessons()
     ]
-    heading = "| | lesson | minutes | points | students write |\n|---|---|---:|---:|---|\n"
+    heading = "| no. | lesson | minutes | points | students write |\n|---|---|---:|---:|---|\n"
     return heading + "".join(rows)
 
 

@@ -37,14 +37,21 @@ def test_every_command_and_option_is_in_the_reference():
 
 @pytest.mark.parametrize(
     "path",
-    sorted([*PROJECT.glob("solutions/*/*/lesson.py"), *PROJECT.glob("docs/*.md")]),
+    sorted(
+        [
+            *PROJECT.glob("solutions/*/*/lesson.py"),
+            *PROJECT.glob("docs/**/*.md"),
+            PROJECT / "README.md",
+        ]
+    ),
     ids=lambda path: f"{path.parent.name}/{path.name}",
 )
 def test_every_table_begins_with_a_row_of_titles(path):
-    """Without this row, a page shows bars and hyphens instead of the table."""
+    """Without this row, a page shows bars and hyphens; screen readers read each title."""
     for above, row in itertools.pairwise(path.read_text("utf-8").splitlines()):
         if re.fullmatch(r"(# )?\|[-:| ]+\|", row):
             assert re.match(r"(# )?\|", above), above
+            assert not re.search(r"\| *\|", above), above
 
 
 def test_no_sentence_of_the_reference_becomes_a_list():

@@ -55,11 +55,15 @@ _WHOLE_SCAN = "50 samples of the whole scan may miss the road: with this seed th
 _THINNED = "return xyz[np.sort(np.unique(cells, axis=0, return_index=True)[1])]"
 _MIRRORED = "joins mirrored cells: too few points are removed to lose a cluster, with this seed"
 _NEEDED = "needed, done = max_iterations, 0"
+_REFINED = "refined = _fitted(points[mask])"
+_UNREFINED = f"best, best_mask = candidate, mask\n        {_REFINED}"
+_NOT_KEPT = "matters only if a refitted line has fewer inliers, and with this seed none has"
 _FIRST_LINE = "matters only until a sample gives a line, and with this seed an early one does"
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 KNOWN = {
     "ransac_line": {
+        (_UNREFINED, _REFINED): _NOT_KEPT,
         (_NEEDED, _NEEDED.replace("max_iterations", "(max_iterations ** 0.5)")): _FIRST_LINE,
     },
     "ransac_plane": {

@@ -984,7 +984,7 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The 
 # | min_num_points | 10 | 40 | treetops and posts have fewer points; the cyclist has 50 to 60 |
 # | threshold | 0.5 m | 0.5 m | 0.8 and 1.0 m make no difference, because no objects are close together |
 #
-# | | precision | recall | F1 |
+# | change | precision | recall | F1 |
 # |---|---|---|---|
 # | before | 1.00 | 0.50 | 0.67 |
 # | region alone | 0.64 | 1.00 | 0.78 |
