@@ -36,6 +36,7 @@ _SIGN = "vectors[:, 0] *= np.linalg.det(vectors)"
 _JACOBI = "the rotations end equal unless there are zeros next to the diagonal: with some seeds"
 _REFIT = "normal = np.linalg.svd(near - centre, full_matrices=False)[2][2]"
 _SVD = "np.linalg.svd(near - centre, full_matrices=False)[2][2]"
+_REFITTED = "refitted = np.append(normal, -normal @ centre)"
 _WORSE = (
     "a wrongly refitted plane has as many inliers only in tiny clouds; otherwise the first stays"
 )
@@ -67,6 +68,7 @@ KNOWN = {
         (_NEEDED, _NEEDED.replace("max_iterations", "(max_iterations ** 0.5)")): _FIRST_LINE,
     },
     "ransac_plane": {
+        (_REFITTED, _REFITTED.replace("(normal", "((normal - 1)")): _WORSE,
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 2)")): _WORSE,
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 0.5)")): _WORSE,
     },
