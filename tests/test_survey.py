@@ -62,7 +62,12 @@ _NOT_KEPT = "matters only if a refitted line has fewer inliers, and with this se
 _FIRST_LINE = "matters only until a sample gives a line, and with this seed an early one does"
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
+_SMALLER = "smaller = point[axis] < np.float32(here.point[axis])"
+_NO_COPY = "numbers from a list have no copy(): with this seed no two such points are compared"
 KNOWN = {
+    "insert": {
+        (_SMALLER, _SMALLER.replace("[axis])", "[axis].copy())")): _NO_COPY,
+    },
     "ransac_line": {
         (_UNREFINED, _REFINED): _NOT_KEPT,
         (_NEEDED, _NEEDED.replace("max_iterations", "(max_iterations ** 0.5)")): _FIRST_LINE,

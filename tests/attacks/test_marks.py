@@ -166,7 +166,8 @@ def with_answers(lesson, answers):
     for statement in slicing.slice_for(lesson.names, statements):
         exec(slicing.compile_statement(statement, str(lesson.source)), namespace)
     namespace.update(answers)
-    return types.SimpleNamespace(**{name: namespace[name] for name in lesson.names})
+    functions = {name: namespace[name] for name in lesson.names}
+    return types.SimpleNamespace(**functions, close=lambda: None)
 
 
 def calls_of(lesson):
