@@ -42,11 +42,13 @@ LEFT_OUT_OF_LIBRARY = frozenset(
         *("html5lib", "soupsieve", "webencodings", "jinja2", "markupsafe", "regex", "wrapt"),
         *("tabulate", "tlz", "toolz", "charset_normalizer", "defusedxml", "yaml"),
         *("et_xmlfile", "interface_meta", "xmltodict.pyc", "tomli_w", "attr", "attrs"),
-        *("more_itertools", "turtle.pyc", "profiling", "_pyrepl", "wsgiref", "xmlrpc"),
+        *("more_itertools", "turtle.pyc", "_pyrepl", "wsgiref", "xmlrpc"),
         *("reportlab_mods.pyc", "reportlab_settings.pyc", "isympy.pyc", "tzdata"),
     )
 )
 """Top-level packages and modules of the library that lessons do not need."""
+LEFT_OUT_FOLDER = "profiling/sampling/"
+"""Folder of the library that lessons do not need; `cProfile` needs the rest of its package."""
 KEPT_METADATA = ("METADATA", "entry_points.txt")  # matplotlib finds its backend as an entry point
 KEPT_DATA = ("mpl-data/fonts/ttf/", "mpl-data/stylelib/", "mpl-data/matplotlibrc")
 
@@ -104,8 +106,8 @@ def _trimmed_library(path: Path) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(path) as source, zipfile.ZipFile(buffer, "w") as trimmed:
         for name in sorted(source.namelist()):
-            top = name.partition("/")[0]
-            if top not in LEFT_OUT_OF_LIBRARY and not name.endswith("/"):
+            left_out = name.partition("/")[0] in LEFT_OUT_OF_LIBRARY
+            if not (left_out or name.startswith(LEFT_OUT_FOLDER) or name.endswith("/")):
                 trimmed.writestr(zipfile.ZipInfo(name), source.read(name))
     return buffer.getvalue()
 
