@@ -32,7 +32,10 @@ def packed(tmp_path, monkeypatch):
     artifacts.mkdir()
     (artifacts / "python.wasm").write_bytes(b"\0asm")
     with zipfile.ZipFile(artifacts / "python-stdlib.zip", "w", zipfile.ZIP_DEFLATED) as library:
-        for name in ("os.pyc", "numpy/__init__.pyc", "sympy/__init__.pyc", "turtle.pyc"):
+        for name in (
+            *("os.pyc", "numpy/__init__.pyc", "sympy/__init__.pyc", "turtle.pyc"),
+            *("profiling/sampling/cli.pyc", "profiling/tracing/__init__.pyc"),
+        ):
             library.writestr(name, name)
     monkeypatch.setattr(runtime, "_artifacts", lambda: artifacts)
     return lambda name="cache": runtime.runtime_files(tmp_path / name)
@@ -60,7 +63,9 @@ def test_the_guest_has_the_kernel_ipython_and_fonts_but_no_package_that_lessons_
     }
     assert "data/matplotlib/mpl-data/fonts/ttf/DejaVuSans.ttf" in guest
     with zipfile.ZipFile(io.BytesIO(guest[runtime.LIBRARY])) as library:
-        assert library.namelist() == ["numpy/__init__.pyc", "os.pyc"]
+        # `cProfile`, which lesson 12 imports, needs `profiling.tracing`.
+        kept = ["numpy/__init__.pyc", "os.pyc", "profiling/tracing/__init__.pyc"]
+        assert library.namelist() == kept
         assert library.read("os.pyc") == b"os.pyc"
 
 
