@@ -320,11 +320,13 @@ def faults_of_sliders(driver, panel, axe, pictures):
 def faults_of_lesson(driver, root, path):
     """Check each exercise of a lesson with the lesson's own solution; yield faults."""
     solved = json.loads((PROJECT / "solutions" / path).with_suffix(".ipynb").read_text("utf-8"))
-    sources = {
-        cell["id"]: "".join(cell["source"])
+    exercises = [
+        cell
         for cell in solved["cells"]
         if cell["cell_type"] == "code" and cell["metadata"].get("nbgrader", {}).get("solution")
-    }
+    ]
+    pasted = [cell for cell in solved["cells"] if "earlier" in cell["metadata"].get("tags", ())]
+    sources = {cell["id"]: "".join(cell["source"]) for cell in (*pasted, *exercises)}
     driver.get(f"{root}{path}.html")
     store = (
         "for (const [key, text] of Object.entries(arguments[0])) localStorage.setItem(key, text)"
@@ -332,7 +334,8 @@ def faults_of_lesson(driver, root, path):
     name = path.rpartition("/")[2]
     driver.execute_script(store, {f"code-{name}-{id}": text for id, text in sources.items()})
     driver.get(f"{root}{path}.html")
-    for id in sources:
+    for cell in exercises:
+        id = cell["id"]
         panel = Panel(driver, id)
         panel.open()
         if not panel.find("button.check"):

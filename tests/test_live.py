@@ -145,15 +145,27 @@ def test_a_display_can_be_updated():
     assert first["id"] == second["id"] and [first["update"], second["update"]] == [False, True]
 
 
-def test_a_page_marks_each_exercise_with_the_id_of_its_cell():
-    page = json.loads(lesson_pages.page_of(LESSON, solved_notebooks()[LESSON], "", Pictures()))
-    marked = [
-        tag
+def marked_exercises(lesson):
+    page = json.loads(lesson_pages.page_of(lesson, solved_notebooks()[lesson], "", Pictures()))
+    return [
+        [
+            tag
+            for tag in cell["metadata"].get("tags", ())
+            if tag in ("earlier", f"exercise-{cell['id']}")
+        ]
         for cell in page["cells"]
-        for tag in cell["metadata"].get("tags", ())
-        if tag.startswith("exercise-")
+        if any(tag.startswith("exercise-") for tag in cell["metadata"].get("tags", ()))
     ]
-    assert marked == ["exercise-filter_ground", "exercise-voxel_grid"]
+
+
+def test_a_page_marks_each_exercise_with_the_id_of_its_cell():
+    assert marked_exercises(LESSON) == [["exercise-filter_ground"], ["exercise-voxel_grid"]]
+
+
+def test_readers_of_a_page_can_paste_functions_of_earlier_lessons():
+    first, second, *_ = marked_exercises(find_lesson("12_streaming_obstacles"))
+    assert len(first) == 2 and "earlier" in first
+    assert second == ["exercise-detect_obstacles"]
 
 
 @pytest.mark.parametrize("live", [None, {"policy": "default-src 'self'", "folder": "live"}])

@@ -10,6 +10,7 @@ import nbformat
 from nbformat import NotebookNode
 from nbformat.v4 import new_markdown_cell
 
+from grader.course import earlier_lessons
 from grader.course.build import Origin
 from grader.course.lessons import Lesson
 from grader.site import glossary
@@ -99,7 +100,9 @@ def _insert_film(cells: list[NotebookNode], film: LessonFilm, pictures: Pictures
 
 def is_exercise(cell: NotebookNode) -> bool:
     """Return whether students write code in this cell."""
-    return cell.cell_type == "code" and cell.metadata.get("nbgrader", {}).get("solution", False)
+    is_graded = cell.metadata.get("nbgrader", {}).get("solution", False)
+    is_pasted = earlier_lessons.TAG in cell.metadata.get("tags", ())
+    return cell.cell_type == "code" and (is_graded or is_pasted)
 
 
 def _has_sliders_to_move(cell: NotebookNode) -> bool:

@@ -44,7 +44,8 @@
   };
   const sourceOf = (cell) => (Array.isArray(cell.source) ? cell.source.join("") : cell.source);
   const isCode = (cell) => cell.cell_type === "code";
-  const isExercise = (cell) => cell.metadata.nbgrader?.solution;
+  // Readers also write in the cell for their functions of earlier lessons.
+  const isExercise = (cell) => cell.metadata.nbgrader?.solution || cell.metadata.tags?.includes("earlier");
   const isCheck = (cell) => cell.metadata.nbgrader?.grade && !isExercise(cell);
   const textOf = (cell) => (isExercise(cell) ? known(cell.id) ?? sourceOf(cell) : sourceOf(cell));
 
@@ -195,7 +196,7 @@
 
   // --- one exercise -----------------------------------------------------------------------------------
 
-  const openPanel = async (place, id) => {
+  const openPanel = async (place, id, name) => {
     const [{ cells }] = await Promise.all([notebook(), editorScript()]);
     const position = cells.findIndex((cell) => cell.id === id);
     const stub = sourceOf(cells[position]);
@@ -211,7 +212,7 @@
     const editor = createEditor({
       parent: box,
       text: known(id) ?? stub,
-      label: `Your code for ${id}. Press Escape and then Tab to leave the editor.`,
+      label: `Your code for ${name}. Press Escape and then Tab to leave the editor.`,
       changed: (text) => (text === stub ? forget(id) : keep(id, text)),
     });
 
@@ -349,14 +350,15 @@
   const isServed = location.protocol !== "file:";
   if (isServed) forEachCell("sliders", addSliders);
   forEachCell("exercise", (cell, id) => {
-    const place = element("div", { class: "live", role: "group", "aria-label": `Write ${id}` });
+    const name = cell.classList.contains("tag_earlier") ? "the functions of earlier lessons" : id;
+    const place = element("div", { class: "live", role: "group", "aria-label": `Write ${name}` });
     cell.querySelector(".cell_input").after(place);
     if (!isServed) {
       place.append(element("p", {}, "Your code can run in this page only if the page comes from a web server. "
         + "If you opened the page from a disk, download the notebook."));
       return;
     }
-    const open = () => openPanel(place, id).catch((error) => { place.append(element("p", { role: "alert" }, error.message)); });
+    const open = () => openPanel(place, id, name).catch((error) => { place.append(element("p", { role: "alert" }, error.message)); });
     place.append(button("open", "Write and run it here", open));
     if (known(id) !== null) open();
   });
