@@ -26,11 +26,11 @@ from utils.questions.texts import outcome_text, outcome_texts, same_answer, valu
 
 OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
 TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
-MAX_EDITS = 90
+MAX_EDITS = 150
 # Fewer edits of a slow answer are tried, so that its questions take a few seconds. This is the
 # largest number of edits times the number of function calls in all cases. Unlike seconds, it leads
 # to the same questions on every machine.
-MAX_CALLS = 6_000_000
+MAX_CALLS = 3_500_000
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 # Functions of `numpy.linalg` with results that students cannot compute on paper.
 DECOMPOSITION = re.compile(r"\b(svd|eigh?)\b")
