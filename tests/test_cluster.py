@@ -313,9 +313,9 @@ def test_unsuitable_workers_are_refused_and_listed(
     (numpy / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.26.4\n")
     empty = tmp_path / "bin"
     empty.mkdir()
-    broken = tmp_path / "broken" / "traitlets"
+    broken = tmp_path / "broken" / "pytest"
     broken.mkdir(parents=True)
-    (broken / "__init__.py").write_text("raise ImportError('no traitlets here')\n")
+    (broken / "__init__.py").write_text("raise ImportError('no pytest here')\n")
 
     address, _ = start.scheduler()
     start.worker(address, "--no-nanny", PYTHONPATH=str(numpy.parent))
@@ -330,7 +330,7 @@ def test_unsuitable_workers_are_refused_and_listed(
     errors = capfd.readouterr().err
     assert len(re.findall(r"Worker tcp://\S+ on \S+ gets no notebooks", errors)) == count
     assert re.search(r"It has numpy 1\.26\.4 instead of 2\.\S+ Install", errors)
-    assert "It cannot run the course's code: ImportError: no traitlets here." in errors
+    assert "It cannot run the course's code: ImportError: no pytest here." in errors
     assert ("bubblewrap is not installed" in errors) == (count == 3)
     assert f"No worker at {address} can judge" in errors
     assert not verdicts_of(course)

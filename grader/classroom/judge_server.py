@@ -13,6 +13,7 @@ import threading
 from concurrent.futures import Future
 from multiprocessing.connection import Connection
 
+import grader.judging.judge  # noqa: F401  a worker that cannot import the judge gets no notebooks
 from grader.classroom.pool import Pool, run_job
 from grader.judging.verdict_key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
