@@ -64,9 +64,14 @@ _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 _SMALLER = "smaller = point[axis] < np.float32(here.point[axis])"
 _NO_COPY = "numbers from a list have no copy(): with this seed no two such points are compared"
+_TARGET = "target = np.asarray(target, dtype=float)"
 KNOWN = {
     "insert": {
         (_SMALLER, _SMALLER.replace("[axis])", "[axis].copy())")): _NO_COPY,
+    },
+    "search": {
+        (_TARGET, f"tree.{_TARGET}"): "a new attribute of the tree, whose nodes stay as they are; "
+        "the answer does not need the conversion",
     },
     "ransac_line": {
         (_UNREFINED, _REFINED): _NOT_KEPT,
