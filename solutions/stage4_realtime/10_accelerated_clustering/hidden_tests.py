@@ -80,12 +80,13 @@ def test_other_thresholds(student, seed):
 )
 def test_crowded_cells(student, seed):
     # The gaps between lumps of 25 points are close to the threshold, so it is not enough to compare
-    # one point per cell.
+    # one point per cell. At a large threshold, its square root is much too small.
     rng = np.random.default_rng(seed)
-    for _ in range(4):
-        middles = np.cumsum(rng.uniform(0.4, 0.95, (16, 1)) * _directions(rng, 16), axis=0)
+    for threshold in (0.5, 0.5, 4.0, 4.0):
+        middles = np.cumsum(rng.uniform(0.4, 0.95, (40, 1)) * _directions(rng, 40), axis=0)
         cloud = np.vstack([middle + 0.18 * _directions(rng, 25) for middle in middles])
-        assert_clusters(student, cloud[rng.permutation(len(cloud))])
+        cloud = cloud[rng.permutation(len(cloud))] * (threshold / 0.5)
+        assert_clusters(student, cloud, threshold)
 
 
 @hidden(
