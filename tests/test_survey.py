@@ -123,11 +123,17 @@ KNOWN = {
     "principal_axes": {
         (_ANGLE, _ANGLE.replace("m[p][p]", "m[p][~p]")): _JACOBI,
         (_ANGLE, _ANGLE.replace("m[p][p]", "m[~p][p]")): _JACOBI,
+        (_ANGLE, _ANGLE.replace("m[p][p]", "m[p][q]")): _JACOBI,
+        (_ANGLE, _ANGLE.replace("m[p][p]", "m[q][p]")): _JACOBI,
         (_SMALL, _SMALL.replace("[q]", "[-q]")): _JACOBI,
         (_SMALL, _SMALL.replace("[q]", "[~q]")): _JACOBI,
         (_ORDER, "order = np.argsort(np.floor(values.real))[::-1]"): _EIG,
         (_ORDER, "order = np.argsort((values.real ** 0.5))[::-1]"): "a variance that rounding may "
         "make negative: with some seeds",
+        (
+            'print("variances", values)',
+            'print("variances", np.floor(values))',
+        ): "raises an error for complex variances, which eig returns for rounded matrices only",
         (_SIGN, _SIGN.replace("[:,", "[:2,")): _EIG,
         (_SIGN, _SIGN.replace("[:,", "[:-1,")): _EIG,
     },
