@@ -22,6 +22,7 @@ the machine may therefore slow nbgrader more than the judge.
 The script adds its results to `.bench/measured.json`, under "judge".
 """
 
+import copy
 import json
 import os
 import resource
@@ -39,7 +40,7 @@ from nbgrader.api import Gradebook
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.grade import judge_class
 from grader.classroom.submissions import Submission
-from grader.course.kept_answers import answers_to, fill_in
+from grader.course.kept_answers import answers_to
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
 from grader.intake.submission import SubmittedFiles
@@ -91,7 +92,7 @@ def make_course(root, students, lessons):
         )
     # nbgrader runs each notebook in its own folder. The notebook finds these in a parent folder.
     for name in ("utils", "data"):
-        (root / name).symlink_to(PROJECT / name)
+        shutil.copytree(PROJECT / name, root / name)
     for number in range(students):
         for lesson in lessons:
             path = course.submitted / f"student{number}" / lesson.stage / f"{lesson.name}.ipynb"
@@ -156,31 +157,31 @@ def seconds_between_verdicts(times):
 def time_mistakes(lesson):
     """Return the seconds for right notebooks of a lesson, and for those with one wrong exercise."""
     sandbox = choose_sandbox()
-    exercises = [exercise.name for exercise in lesson.machine_graded]
-    cells = json.loads(lesson.solved.read_text("utf-8"))["cells"]
-    solved = {
-        cell["metadata"].get("nbgrader", {}).get("grade_id"): "".join(cell["source"])
-        for cell in cells
-    }
-    right = {name: solved[name] for name in exercises}
+    solved = json.loads(lesson.solved.read_text("utf-8"))
     wrong = {
-        name: [answer.source for answer in answers_to(name) if not answer.right][:WRONG_ANSWERS]
-        for name in exercises
+        exercise.name: [answer.source for answer in answers_to(exercise.name) if not answer.right][
+            :WRONG_ANSWERS
+        ]
+        for exercise in lesson.machine_graded
     }
 
-    def time_notebook(answers, number):
-        notebook = fill_in(lesson, {name: f"{text}\n# {number}" for name, text in answers.items()})
-        files = SubmittedFiles(f"{lesson.name}.ipynb", notebook.encode())
+    def time_notebook(number, exercise="", answer=""):
+        """Judge the solved notebook, with another answer to one exercise if there is one."""
+        notebook = copy.deepcopy(solved)
+        for cell in notebook["cells"]:
+            name = cell["metadata"].get("nbgrader", {}).get("grade_id")
+            if name in wrong:
+                text = answer if name == exercise else "".join(cell["source"])
+                cell["source"] = f"{text}\n# {number}"
+        files = SubmittedFiles(f"{lesson.name}.ipynb", json.dumps(notebook).encode())
         verdict = judge_files(files, SEED, sandbox, lesson)
-        assert (verdict.score == verdict.max_score) == (answers is right), (lesson, answers)
+        assert (verdict.score < verdict.max_score) == bool(exercise), (lesson, exercise, answer)
         return verdict.seconds
 
-    time_notebook(right, "to warm up")
-    right_seconds = [time_notebook(right, number) for number in range(WRONG_ANSWERS)]
+    time_notebook("to warm up")
+    right_seconds = [time_notebook(number) for number in range(WRONG_ANSWERS)]
     wrong_seconds = [
-        time_notebook(right | {name: answer}, name)
-        for name, kept in wrong.items()
-        for answer in kept
+        time_notebook(name, name, answer) for name, kept in wrong.items() for answer in kept
     ]
     return right_seconds, wrong_seconds
 
