@@ -133,7 +133,7 @@ KNOWN = {
         (
             'print("variances", values)',
             'print("variances", np.floor(values))',
-        ): "raises an error for complex variances, which eig returns for rounded matrices only",
+        ): "raises an error if eig returns complex numbers, which it rarely does",
         (_SIGN, _SIGN.replace("[:,", "[:2,")): _EIG,
         (_SIGN, _SIGN.replace("[:,", "[:-1,")): _EIG,
     },

@@ -22,7 +22,6 @@ the machine may therefore slow nbgrader more than the judge.
 The script adds its results to `.bench/measured.json`, under "judge".
 """
 
-import copy
 import json
 import os
 import resource
@@ -157,22 +156,18 @@ def seconds_between_verdicts(times):
 def time_mistakes(lesson):
     """Return the seconds for right notebooks of a lesson, and for those with one wrong exercise."""
     sandbox = choose_sandbox()
-    solved = json.loads(lesson.solved.read_text("utf-8"))
+    exercises = [exercise.name for exercise in lesson.machine_graded]
     wrong = {
-        exercise.name: [answer.source for answer in answers_to(exercise.name) if not answer.right][
-            :WRONG_ANSWERS
-        ]
-        for exercise in lesson.machine_graded
+        name: [answer.source for answer in answers_to(name) if not answer.right][:WRONG_ANSWERS]
+        for name in exercises
     }
 
     def time_notebook(number, exercise="", answer=""):
         """Judge the solved notebook, with another answer to one exercise if there is one."""
-        notebook = copy.deepcopy(solved)
+        notebook = _as_written_by(number, lesson)
         for cell in notebook["cells"]:
-            name = cell["metadata"].get("nbgrader", {}).get("grade_id")
-            if name in wrong:
-                text = answer if name == exercise else "".join(cell["source"])
-                cell["source"] = f"{text}\n# {number}"
+            if cell["metadata"].get("nbgrader", {}).get("grade_id") == exercise:
+                cell["source"] = [answer]
         files = SubmittedFiles(f"{lesson.name}.ipynb", json.dumps(notebook).encode())
         verdict = judge_files(files, SEED, sandbox, lesson)
         assert (verdict.score < verdict.max_score) == bool(exercise), (lesson, exercise, answer)
@@ -181,7 +176,7 @@ def time_mistakes(lesson):
     time_notebook("to warm up")
     right_seconds = [time_notebook(number) for number in range(WRONG_ANSWERS)]
     wrong_seconds = [
-        time_notebook(name, name, answer) for name, kept in wrong.items() for answer in kept
+        time_notebook(0, name, answer) for name, kept in wrong.items() for answer in kept
     ]
     return right_seconds, wrong_seconds
 

@@ -16,7 +16,7 @@ CASES = {
         Case("horizontal_distance(np.array([[-6.0, -8.0, 1.0, 5.0]]))"),
         Case("horizontal_distance(np.array([[0.0, -5.0, -1.0, 9.0], [4.0, 3.0, 0.0, 2.0]]))"),
     ),
-    # With as many rows as columns, masks of the wrong shape would go together by chance.
+    # With as many rows as columns, a mask of the wrong shape would fit by chance.
     "drop_invalid": (
         _drop_case("1.0, 2.0, 0.0", "0.0, 0.0, 0.0", "np.nan, 1.0, 1.0", "3.0, 0.0, 1.0"),
         _drop_case("0.0, 0.0, 5.0", "np.inf, 1.0, 2.0", "4.0, 0.0, 0.0", "0.0, 0.0, 0.0"),

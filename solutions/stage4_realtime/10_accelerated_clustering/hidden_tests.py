@@ -76,11 +76,13 @@ def test_other_thresholds(student, seed):
     NAME,
     weight=6,
     title="Finds the exact clusters when many points are in a few cells",
-    hint="Join two cells if any point of one is close to any point of the other.",
+    hint="Join two cells if any point of one is closer than the threshold to any point of the "
+    "other.",
 )
 def test_crowded_cells(student, seed):
     # The gaps between lumps of 25 points are close to the threshold, so it is not enough to compare
-    # one point per cell. At a large threshold, its square root is much too small.
+    # one point per cell. Some answers take the square root of the threshold by mistake, which makes
+    # 0.5 m larger and 4 m smaller.
     rng = np.random.default_rng(seed)
     for threshold in (0.5, 0.5, 4.0, 4.0):
         middles = np.cumsum(rng.uniform(0.4, 0.95, (40, 1)) * _directions(rng, 40), axis=0)
